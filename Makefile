@@ -59,8 +59,9 @@
 #   make clean
 #
 # Settings: CC=clang, OPTIMIZE=-O0, SAN=address,undefined or SAN=thread (builds in build/san-...), WERROR=1, V=1,
-# RENAME=game_, which names functions game_... in place of mlrt_... (builds in build/renamed-game_), and GUESS=1, which
-# drops exactness to measure its price (builds in build/guess).
+# RENAME=game_, which names functions game_... in place of mlrt_... (builds in build/renamed-game_), SCALAR=1, which
+# compiles the kernels in plain C that processors without SSE2 have (builds in build/scalar), and GUESS=1, which drops
+# exactness to measure its price (builds in build/guess).
 
 PREFIX   ?= /usr/local
 LIBDIR   ?= $(PREFIX)/lib
@@ -68,6 +69,7 @@ MANDIR   ?= $(PREFIX)/share/man
 OPTIMIZE ?= -O2
 SAN      ?=
 RENAME   ?=
+SCALAR   ?=
 V        ?=
 OBJCOPY  ?= objcopy
 
@@ -76,7 +78,7 @@ SOVERSION := 0
 
 empty :=
 comma := ,
-BUILD := build$(if $(SAN),/san-$(subst $(comma),-,$(SAN)))$(if $(GUESS),/guess)$(if $(RENAME),/renamed-$(RENAME))
+BUILD := build$(if $(SAN),/san-$(subst $(comma),-,$(SAN)))$(if $(GUESS),/guess)$(if $(SCALAR),/scalar)$(if $(RENAME),/renamed-$(RENAME))
 TARGET := $(shell $(CC) -dumpmachine)
 IS_X86 := $(filter x86_64% i386% i486% i586% i686%,$(TARGET))
 Q := $(if $(V),,@)
@@ -84,7 +86,7 @@ Q := $(if $(V),,@)
 CFLAGS   ?= -g
 STANDARD := -std=c99 -pedantic -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla $(if $(WERROR),-Werror)
 GUESS    ?=
-EXACT    := $(if $(GUESS),-DMLRT_GUESS=1) -ffp-contract=off $(if $(filter i386% i486% i586% i686%,$(TARGET)),-msse2 -mfpmath=sse) \
+EXACT    := $(if $(GUESS),-DMLRT_GUESS=1) $(if $(SCALAR),-DMLRT_SCALAR=1) -ffp-contract=off $(if $(filter i386% i486% i586% i686%,$(TARGET)),-msse2 -mfpmath=sse) \
             $(if $(filter s390x%,$(TARGET)),-fexcess-precision=fast)
 SANITIZE := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-frame-pointer)
 # Functions, jumps and loops that are not aligned: 18 kB less, 6 of them by functions, and no slower: of 44 ratios of kinds
@@ -100,11 +102,10 @@ TLS      := $(if $(IS_X86),$(shell $(CC) -Werror -mtls-dialect=gnu2 -fPIC -S -x 
 COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(LAYOUT) $(TLS) $(CFLAGS) $(EXACT) $(SANITIZE) $(if $(RENAME),-DMLRT_PREFIX=$(RENAME)) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
 LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
-# One object of kernels per instruction set, and the scalar kernels with counters (src/run/dispatch.c).
+# One object of kernels per instruction set. Plain C is one only where there is no SSE2, but its words are tested anywhere.
 ALL_ISAS    := scalar sse avx2 avx512
-ISAS        := $(if $(IS_X86),$(ALL_ISAS),scalar)
-KERNELS     := $(if $(IS_X86),sse avx2 avx512,scalar)
-COUNTING_KERNELS := scalar
+KERNELS     := $(if $(and $(IS_X86),$(if $(SCALAR),,1)),sse avx2 avx512,scalar)
+ISAS        := scalar $(filter-out scalar,$(KERNELS))
 ISA_FLAGS_avx2   := -mavx2 -mfma
 ISA_FLAGS_avx512 := -mavx512f -mavx512dq
 # On Windows gcc may leave the stack unaligned (bug 54412); with this flag, a recent assembler makes moves unaligned.
@@ -115,9 +116,8 @@ ISA_FLAGS_avx512 += $(filter -Wa%,$(ISA_FLAGS_avx2))
 endif
 SOURCES := $(wildcard src/*/*.c)
 # The order is that of CMake and Meson (src/packaging), so that libraries are the same, byte for byte.
-LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out $(ALL_ISAS:%=src/trace/%.c) src/mlrta/avx2.c,$(SOURCES))) \
-                   $(KERNELS:%=$(BUILD)/obj/trace/%.o) $(if $(IS_X86),$(BUILD)/obj/mlrta/avx2.o) \
-                   $(COUNTING_KERNELS:%=$(BUILD)/obj/trace/%_counting.o)
+LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out src/isa/%,$(SOURCES))) \
+                   $(KERNELS:%=$(BUILD)/obj/isa/%.o)
 
 # Packages are looked up when they are needed, so that `make deps demo` works in one call.
 pkg = $(shell pkg-config $(1) $(2) 2>/dev/null)
@@ -169,17 +169,9 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 # caller's program, are in builds with SAN only.
 INSIDE := -fPIC -fvisibility=hidden -ffunction-sections $(if $(SAN),,-DNDEBUG)
 
-$(BUILD)/obj/trace/%_counting.o: src/trace/%.c
-	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(INSIDE) -DMLRT_COUNTING=1 $(ISA_FLAGS_$*) -c $< -o $@
-
-$(BUILD)/obj/trace/%.o: src/trace/%.c
+$(BUILD)/obj/isa/%.o: src/isa/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
-
-$(BUILD)/obj/mlrta/avx2.o: src/mlrta/avx2.c
-	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(INSIDE) $(ISA_FLAGS_avx2) -c $< -o $@
 
 $(BUILD)/obj/%.o: src/%.c
 	@mkdir -p $(@D)
@@ -472,11 +464,17 @@ $(BUILD)/tests/close/%.o: tests/close/%.c
 
 $(BUILD)/tests/test_close_calls: $(ISAS:%=$(BUILD)/tests/close/%.o)
 
+$(BUILD)/tests/read/%.o: tests/read/%.c
+	@mkdir -p $(@D)
+	$(Q)$(COMPILE) $(ISA_FLAGS_$*) -c $< -o $@
+
+$(BUILD)/tests/test_packed_rays $(BUILD)/tests/test_read_arrays: $(patsubst %,$(BUILD)/tests/read/%.o,$(ISAS) readers)
+
 $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(TEST_COMMON) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
 	$(Q)$(LINK) $(WRAP) $^ $(EXAMPLE_LIBS) -lcmocka -lgmp -o $@
 
 # Functions that the test replaces, to pretend what cannot be had everywhere.
-$(BUILD)/tests/test_messages: private WRAP := $(patsubst %,-Wl$(comma)--wrap=%,pthread_create mlrt_select_kernels mlrt_measure_forest)
+$(BUILD)/tests/test_messages: private WRAP := $(patsubst %,-Wl$(comma)--wrap=%,pthread_create mlrt_select_kernels mlrt_write_forest)
 
 # Fuzzes loading, from files that test_save writes, for as long as FUZZ says. Needs clang: see tests/fuzz_load.c.
 FUZZ ?= -max_total_time=60

@@ -382,8 +382,7 @@ static int find_reference(struct subject *subject)
 {
     struct check_result *check = &subject->results->check;
     struct picture *p = &subject->picture;
-    const mlrt_trace_options plain = {
-        .struct_size = sizeof plain, .method = MLRT_METHOD_RAY, .isa = MLRT_ISA_SCALAR, .pool = subject->pool};
+    const mlrt_trace_options plain = {.struct_size = sizeof plain, .method = MLRT_METHOD_RAY, .pool = subject->pool};
     const mlrt_tile all = {.struct_size = sizeof all,
                            .width = subject->camera.width,
                            .height = subject->camera.height,

@@ -595,13 +595,14 @@ enum {
  * Instruction sets: mlrt_trace_options.isa. The answers are the same from each. One that this machine or build does not
  * have is MLRT_ERROR_UNSUPPORTED.
  *
- * Method tile has kernels for all of them, but counts (mlrt_trace_options.counters) in plain C. Whichever is asked for,
- * the methods of the kd-tree use AVX2 where the machine has it and this is at least asked for (packet2 and calls with
- * counters do not), else SSE2 where the build has it, and method ray is plain C.
+ * Method tile has kernels for all of them, but those of the narrowest one count (mlrt_trace_options.counters): SSE2, or
+ * plain C where there is no SSE2. Whichever is asked for, the methods of the kd-tree use AVX2 where the machine has it
+ * and this is at least asked for (packet2 and calls with counters do not), else the narrowest one, and method ray is
+ * plain C.
  */
 enum {
     MLRT_ISA_AUTO = 0,   /* the best that this machine has */
-    MLRT_ISA_SCALAR = 1, /* plain C, always there */
+    MLRT_ISA_SCALAR = 1, /* plain C: only in builds for processors without SSE2, which have no other */
     MLRT_ISA_SSE = 2,    /* SSE2, on every x86-64: 4 boxes, packets, triangles or rays at a time */
     MLRT_ISA_AVX2 = 3,   /* AVX2 and FMA: 8 at a time */
     MLRT_ISA_AVX512 = 4  /* AVX-512 F and DQ: 16 at a time */
@@ -643,17 +644,18 @@ enum {
 /*
  * Counts of the work of tracing. Those of the kd-tree are in units of 4x4 packets, as the columns of the paper's table
  * 2. Counts are added to those in the struct, so that one struct can collect several calls, one at a time. They can
- * differ between methods and machines. Counting takes time: with counters, method tile runs in plain C.
+ * differ between methods and machines. Counting takes time: with counters, the kernels of the narrowest instruction set
+ * run (MLRT_ISA_*).
  *
  * Method tile traces sixteen packets, or sixteen tiles of them, together. So up to 256 or 4096 rays share a cell or a
  * test, and its counts cannot be compared with those of the kd-tree. It has no beams and no entry points: their
- * counters do not change. With counters, shadow rays of a picture's lights go alone, and are counted so; without, they
- * go together.
+ * counters do not change.
  */
 typedef struct mlrt_counters {
     uint32_t struct_size;  /* sizeof(mlrt_counters) */
     uint32_t reserved;     /* must be 0 */
-    uint64_t ray_count;    /* rays traced */
+    uint64_t ray_count;    /* rays traced. Method tile: of shadow rays of a picture's lights, those that are made; where
+                              one triangle is seen over many pixels, it decides their shadows without rays */
     uint64_t packet_count; /* kd-tree: groups of rays traced together (packets, or less where directions differ), and
                               rays that went alone. Method tile: packets that went lane by lane, and rays that went
                               alone, counted each time */

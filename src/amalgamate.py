@@ -23,29 +23,23 @@ import sys
 SOURCE = os.path.dirname(os.path.abspath(__file__))
 INCLUDE = os.path.join(os.path.dirname(SOURCE), "include")
 
-Kernel = collections.namedtuple("Kernel", "name file condition target counting")
+Kernel = collections.namedtuple("Kernel", "name file condition target")
 
 LAYERS = ["base", "simd", "exact", "scene", "rays", "bvh", "job", "hits", "mlrta", "trace", "run", "api"]
 
-# As in the Makefile: KERNELS, COUNTING_KERNELS and ISA_FLAGS_...
-KDTREES = [
-    Kernel("kdtree", "mlrta/kernels.c", None, None, False),
-    Kernel("kdtree_counting", "mlrta/counting.c", None, None, False),
-    Kernel("kdtree_avx2", "mlrta/avx2.c", "MLRT_HAVE_SSE", "avx2,fma", False),
-]
+# As in the Makefile: KERNELS and ISA_FLAGS_...
 KERNELS = [
-    Kernel("counting", "trace/scalar.c", None, None, True),
-    Kernel("scalar", "trace/scalar.c", "!MLRT_HAVE_SSE", None, False),
-    Kernel("sse", "trace/sse.c", "MLRT_HAVE_SSE", None, False),
-    Kernel("avx2", "trace/avx2.c", "MLRT_HAVE_SSE", "avx2,fma", False),
-    Kernel("avx512", "trace/avx512.c", "MLRT_HAVE_SSE", "avx512f,avx512dq", False),
+    Kernel("scalar", "isa/scalar.c", "!MLRT_SSE_KERNELS", None),
+    Kernel("sse", "isa/sse.c", "MLRT_SSE_KERNELS", None),
+    Kernel("avx2", "isa/avx2.c", "MLRT_SSE_KERNELS", "avx2,fma"),
+    Kernel("avx512", "isa/avx512.c", "MLRT_SSE_KERNELS", "avx512f,avx512dq"),
 ]
-KERNEL_TEXT = "trace/kernels.h"
+KERNEL_TEXT = "isa/kernels.h"
 
 CHOSEN = "simd/simd.h"  # the vocabulary that a kernel's unit includes first
 
 COUNTING = "counters.h"  # its macros differ between kernels that count and those that do not
-COUNTING_MACROS = ["COUNT", "COUNTERS", "MLRT_COUNTING"]
+COUNTING_MACROS = ["COUNT", "COUNTERS", "CLEAR_COUNTS", "MLRT_COUNTING"]
 
 # System headers that not every system has. The intrinsics come as one.
 CONDITIONS = {
@@ -395,8 +389,6 @@ def system_includes(names):
 
 def kernel_section(kernel, text):
     before = [f"#undef {macro}\n" for macro in COUNTING_MACROS]
-    if kernel.counting:
-        before.append("#define MLRT_COUNTING 1\n")
     gcc, clang, clang_end = "", "", ""
     if kernel.target:
         gcc = f'#pragma GCC target("{kernel.target}")\n'
@@ -465,26 +457,20 @@ def passes(parts):
 
 def amalgamate():
     parts = Text()
-    sections = []  # name, text, kernel or None
-    kernel_files = {kernel.file for kernel in KERNELS}
+    sections = []  # name, text
     for folder in LAYERS:
         for file in sorted(os.listdir(os.path.join(SOURCE, folder))):
             path = f"{folder}/{file}"
-            kernel = next((kernel for kernel in KDTREES if kernel.file == path), None)
-            if not file.endswith(".c") or path in kernel_files:
+            if not file.endswith(".c"):
                 continue
-            is_own = (lambda path: uses_words(path) or path.endswith(COUNTING)) if kernel else lambda path: False
-            text = parts.paste(os.path.join(SOURCE, path), is_own, set())
-            sections.append((kernel.name if kernel else f"{folder}_{file[:-2]}", text, kernel))
+            sections.append((f"{folder}_{file[:-2]}", parts.paste(os.path.join(SOURCE, path), lambda path: False, set())))
 
     before_passes, kernels = passes(parts)
     result = [HEAD, "#ifndef MLRT_PASS\n\n", system_includes(parts.system), BEFORE_ALL, made_static(parts.text_of_shared())]
-    for name, text, kernel in sections:
+    for name, text in sections:
         macros = macros_of(text)
         names = Names(*({n for n in found if not n.startswith("mlrt_") and n not in macros} for found in names_of(text)))
         text = renamed(made_static(text), names, name)
-        if kernel:
-            text = kernel_section(kernel, text)
         text += "".join(f"#undef {macro}\n" for macro in macros)
         result.append(text)
     result += [before_passes, AFTER_ALL, "\n#else /* MLRT_PASS */\n", kernels, "\n#endif /* MLRT_PASS */\n"]

@@ -17,6 +17,7 @@ import sys
 LAYERS = [
     ["api"],
     ["run"],
+    ["isa"],
     ["trace", "mlrta"],
     ["hits"],
     ["job"],
@@ -28,8 +29,7 @@ LAYERS = [
 ]
 
 # What is compiled once per instruction set; what includes CHOSEN is text for them.
-UNITS = ["trace/scalar.c", "trace/sse.c", "trace/avx2.c", "trace/avx512.c", "mlrta/kernels.c",
-         "mlrta/counting.c", "mlrta/avx2.c"]
+UNITS = ["isa/scalar.c", "isa/sse.c", "isa/avx2.c", "isa/avx512.c"]
 CHOSEN = "simd/simd.h"
 
 # Headers that need an instruction set.

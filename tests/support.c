@@ -661,6 +661,11 @@ void add_camera_rays(struct ray_list *list, const mlrt_camera *camera)
 static struct variant variants[VARIANT_LIMIT];
 static size_t variants_used;
 
+int32_t narrowest_isa(void)
+{
+    return isa_is_supported(MLRT_ISA_SCALAR) ? MLRT_ISA_SCALAR : MLRT_ISA_SSE;
+}
+
 int isa_is_supported(int32_t isa)
 {
     mlrt_tree *tree = NULL;
@@ -731,8 +736,7 @@ static void list_variants(void)
     struct tiling whole = {0, 0, 0};
     add_variant(MLRT_METHOD_DEFAULT, MLRT_ISA_AUTO, whole, 1);
     add_variant(MLRT_METHOD_DEFAULT, MLRT_ISA_AUTO, whole, 1)->on_kdtree = 1;
-    list_variants_of(MLRT_ISA_SCALAR);
-    for (int32_t isa = MLRT_ISA_SSE; isa <= MLRT_ISA_AVX512; isa++) {
+    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
         if (isa_is_supported(isa)) list_variants_of(isa);
     }
 }

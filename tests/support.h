@@ -125,6 +125,7 @@ const mlrt_tree *variant_tree(const struct variant *variant, const struct fixtur
 const mlrt_tree *method_tree(int32_t method, const struct fixture *fixture);
 int is_kdtree_method(int32_t method);
 int isa_is_supported(int32_t isa);
+int32_t narrowest_isa(void); /* SSE2, or plain C where there is none */
 
 /* The pool of that many threads, made when it is first asked for. NULL for 0. */
 mlrt_pool *shared_pool(uint32_t threads);

@@ -18,7 +18,7 @@
 static int is_compared(size_t variant)
 {
     const mlrt_trace_options *options = &variant_at(variant)->options;
-    if (options->method == MLRT_METHOD_RAY) return options->isa == MLRT_ISA_SCALAR;
+    if (options->method == MLRT_METHOD_RAY) return options->isa == narrowest_isa();
     return variant_at(variant)->probe && options->isa != MLRT_ISA_AUTO;
 }
 

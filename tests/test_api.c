@@ -2033,6 +2033,69 @@ static void a_denormal_limit_is_a_limit(void **state)
 }
 
 #if HAS_MXCSR
+/* Runs a task at once, where denormals are 0. */
+static void *run_flushed(void *user, mlrt_task_function function, void *argument)
+{
+    const unsigned int before = _mm_getcsr();
+    (void)user;
+    _mm_setcsr(before | FLUSH | DENORMALS_ARE_ZERO);
+    function(argument);
+    _mm_setcsr(before);
+    return NULL;
+}
+
+static void finish_flushed(void *user, void *task)
+{
+    (void)user, (void)task;
+}
+
+static unsigned char *build_and_save(const mlrt_mesh *mesh, mlrt_pool *pool, size_t *size)
+{
+    const mlrt_tree_options options = {.struct_size = sizeof options, .pool = pool};
+    mlrt_tree *tree;
+    assert_int_equal(mlrt_build_tree(mesh, 1, &options, &tree), MLRT_OK);
+    assert_int_equal(mlrt_save_tree(tree, NULL, 0, size), MLRT_OK);
+    unsigned char *file = allocate_or_fail(*size, 1);
+    assert_int_equal(mlrt_save_tree(tree, file, *size, size), MLRT_OK);
+    mlrt_destroy_tree(tree);
+    return file;
+}
+#endif
+
+/* Every step of a build sets the environment: a leaf that a task writes has denormal corners as they are. */
+static void tasks_that_flush_denormals_build_the_same(void **state)
+{
+    (void)state;
+#if HAS_MXCSR
+    enum { SIDE = 100 };
+    const mlrt_pool_options options = {
+        .struct_size = sizeof options, .thread_count = 2, .enqueue = run_flushed, .finish = finish_flushed};
+    float *vertices = allocate_or_fail(9 * SIDE * SIDE, sizeof *vertices);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const float x = (float)(i % SIDE), y = (float)(i / SIDE), z = (float)(1 + i % 7) * 1e-40f;
+        const float corners[9] = {x, y, z, x + 1, y, -z, x, y + 1, z};
+        memcpy(vertices + 9 * (size_t)i, corners, sizeof corners);
+    }
+    const mlrt_mesh mesh = {.struct_size = sizeof mesh,
+                            .vertices = vertices,
+                            .vertex_count = 3 * SIDE * SIDE,
+                            .triangle_count = SIDE * SIDE};
+    mlrt_pool *pool;
+    size_t size, other_size;
+    assert_int_equal(mlrt_create_pool_with_options(&options, &pool), MLRT_OK);
+    unsigned char *file = build_and_save(&mesh, NULL, &size), *other = build_and_save(&mesh, pool, &other_size);
+    assert_int_equal(size, other_size);
+    assert_memory_equal(file, other, size);
+    mlrt_destroy_pool(pool);
+    free(file);
+    free(other);
+    free(vertices);
+#else
+    skip();
+#endif
+}
+
+#if HAS_MXCSR
 struct control_seen {
     unsigned int expected;
     int wrong;
@@ -2154,6 +2217,7 @@ int main(void)
         cmocka_unit_test(rays_of_signalling_nans),
         cmocka_unit_test(meshes_and_costs_of_signalling_nans),
         cmocka_unit_test(a_denormal_limit_is_a_limit),
+        cmocka_unit_test(tasks_that_flush_denormals_build_the_same),
         cmocka_unit_test(callbacks_run_in_the_callers_environment),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -59,7 +59,7 @@ static mlrt_trace_options draw_trace_options(struct random *random, char *text, 
     mlrt_trace_options options = {.struct_size = sizeof options, .method = MLRT_METHOD_MULTILEVEL};
     const uint32_t *tile = tiles[draw_below(random, 7)];
     if (draw_below(random, 5) == 0) options.method = methods[draw_below(random, 3)];
-    options.isa = draw_below(random, 2) ? MLRT_ISA_SCALAR : MLRT_ISA_AUTO;
+    options.isa = draw_below(random, 2) ? narrowest_isa() : MLRT_ISA_AUTO;
     options.culling = (int32_t)draw_below(random, 2);
     options.culling_check = draw_below(random, 4) == 0;
     options.shortcuts_off = draw_below(random, 2) ? 0 : draw_below(random, 8);

@@ -45,17 +45,11 @@ static f4 remembering_divide_four(f4 a, f4 b)
     return f4_div(a, b);
 }
 
-#define v_div   remembering_divide
-#define f4_div  remembering_divide_four
-#define KERNELS bounds_kernels_kdtree
-#define PICTURE mlrt_plain_picture
-#include "mlrta/kernels.h"
-#undef PICTURE
-#undef KERNELS
-#define KERNELS   bounds_kernels
-#define axis_code bundle_axis_code /* ray_group.h has one too */
-#include "trace/kernels.h"
-#undef axis_code
+#define v_div          remembering_divide
+#define f4_div         remembering_divide_four
+#define BOX_KERNELS    bounds_kernels
+#define KDTREE_KERNELS bounds_kernels_kdtree
+#include "isa/kernels.h"
 #undef v_div
 #undef f4_div
 
@@ -804,8 +798,8 @@ static double attack_outline(const float *input)
         triangle.v[i][1] = box.lo[1] = box.hi[1] = input[1];
         triangle.v[i][2] = box.lo[2] = box.hi[2] = 1;
     }
-    set_triangle_outline(&triangle, axis_code(0, 0), apex, &outline[0]);
-    set_box_outline(&box, axis_code(0, 0), apex, &outline[1]);
+    set_triangle_outline(&triangle, cell_axis_code(0, 0), apex, &outline[0]);
+    set_box_outline(&box, cell_axis_code(0, 0), apex, &outline[1]);
     subtract_exactly(input[1], input[3], truth);
     subtract_exactly(input[0], input[2], other_truth);
     mpf_div(truth, truth, other_truth);
@@ -1244,7 +1238,8 @@ static int is_enough(const struct mlrt_triangle *triangle, const struct mlrt_box
         const double sign = side == 0 ? -1 : 1;
         const struct plane plane = {0, sign, position - sign * margin[0]};
         struct bounds bounds;
-        bound_inside(&polygon[current], &plane, margin, &bounds);
+        cut_polygon(&polygon[current], &plane, &polygon[1 - current]);
+        bound_polygon(&polygon[1 - current], margin, &bounds);
         if (!is_within(&true_half[side], &bounds)) return 0;
     }
     return 1;

@@ -37,12 +37,12 @@ static float remembering_divide(float a, float b)
     return v_div(a, b);
 }
 
-#define v_mul_add multiply_add
-#define v_mul_sub multiply_subtract
-#define v_div     remembering_divide
-#define KERNELS   bundle_bounds_kernels
-#define PICTURE   bundle_bounds_picture
-#include "trace/kernels.h"
+#define v_mul_add      multiply_add
+#define v_mul_sub      multiply_subtract
+#define v_div          remembering_divide
+#define BOX_KERNELS    bundle_bounds_kernels
+#define KDTREE_KERNELS bundle_bounds_kernels_kdtree
+#include "isa/kernels.h"
 #undef v_mul_add
 #undef v_mul_sub
 #undef v_div

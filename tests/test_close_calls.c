@@ -153,7 +153,7 @@ static uint32_t offer(decide_function *decide, struct bench *bench, const struct
 }
 
 static decide_function *const functions[] = {decide_close_scalar,
-#if MLRT_HAVE_SSE
+#if MLRT_SSE_KERNELS
                                              decide_close_sse, decide_close_avx2, decide_close_avx512
 #endif
 };

@@ -119,10 +119,10 @@ const struct mlrt_kernels *__real_mlrt_select_kernels(const struct mlrt_structur
                                                       int32_t method, int counting);
 const struct mlrt_kernels *__wrap_mlrt_select_kernels(const struct mlrt_structure *structure, int32_t isa,
                                                       int32_t method, int counting);
-void __real_mlrt_measure_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, uint32_t depth,
-                                struct mlrt_bvh_size *size);
-void __wrap_mlrt_measure_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, uint32_t depth,
-                                struct mlrt_bvh_size *size);
+void __real_mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots,
+                              struct mlrt_tree *tree, struct mlrt_progress *progress, struct mlrt_bvh_cursor *cursor);
+void __wrap_mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots,
+                              struct mlrt_tree *tree, struct mlrt_progress *progress, struct mlrt_bvh_cursor *cursor);
 
 int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*function)(void *), void *data)
 {
@@ -138,11 +138,11 @@ const struct mlrt_kernels *__wrap_mlrt_select_kernels(const struct mlrt_structur
     return __real_mlrt_select_kernels(structure, isa, method, counting);
 }
 
-void __wrap_mlrt_measure_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, uint32_t depth,
-                                struct mlrt_bvh_size *size)
+void __wrap_mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots,
+                              struct mlrt_tree *tree, struct mlrt_progress *progress, struct mlrt_bvh_cursor *cursor)
 {
-    __real_mlrt_measure_forest(binary, number, slots, depth, size);
-    if (pretended == MANY_QUADS) size->quad_count += UINT32_MAX >> 3;
+    __real_mlrt_write_forest(binary, number, slots, tree, progress, cursor);
+    if (pretended == MANY_QUADS && !cursor->parent) cursor->size.quad_count += UINT32_MAX >> 3;
 }
 
 /* ---- checks ---- */

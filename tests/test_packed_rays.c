@@ -13,6 +13,7 @@
 #include "job/job.h"
 #include "rays/source.h"
 #include "support.h"
+#include "read/read.h"
 #include "trace/ray_tile.h"
 #include "scene/masks.h"
 
@@ -498,7 +499,7 @@ static void check_lanes_of(const struct mlrt_source *source, const struct mlrt_r
 }
 
 /* All packets of a source at once by vectors, and one by one. Returns how many there are. */
-static uint32_t compare_tiles(const struct mlrt_source *source, const struct mlrt_picture_kernels *picture)
+static uint32_t compare_tiles(const struct mlrt_source *source, const struct readers *readers)
 {
     struct mlrt_ray_tile tile;
     uint32_t count = 0;
@@ -507,7 +508,7 @@ static uint32_t compare_tiles(const struct mlrt_source *source, const struct mlr
             const struct mlrt_rectangle whole = {0, 0, source->width, source->height};
             const struct mlrt_rectangle area = mlrt_cut_piece(&whole, x, y, 16);
             mlrt_begin_tile(&area, 0, &tile);
-            picture->read_packets(source, &tile);
+            readers->read_packets(source, &tile);
             for (uint32_t place = 0; place < MLRT_CELL_COUNT; place++) {
                 if (!(tile.blocks >> place & 1)) continue;
                 struct mlrt_packet packet;
@@ -516,8 +517,8 @@ static uint32_t compare_tiles(const struct mlrt_source *source, const struct mlr
                 mlrt_fetch_packet(source, block.x, block.y, lanes, &packet);
                 if (packet.has_skip) mlrt_number_skips(source->tree, &packet);
                 compare_packets(place, lanes, &tile.packets[place], &packet);
-                picture->fetch_block(source, &block, lanes, &packet);
-                picture->check_block(source, lanes, &packet);
+                readers->fetch_block(source, &block, lanes, &packet);
+                readers->check_block(source, lanes, &packet);
                 check_lanes_of(source, &block, lanes, &packet);
                 ++count;
             }
@@ -528,7 +529,7 @@ static uint32_t compare_tiles(const struct mlrt_source *source, const struct mlr
 
 /* A list as rays, and its directions as points of lights of both kinds. */
 static uint32_t compare_sources(const struct fixture *fixture, const struct ray_list *list, int has_skips,
-                                const float light_position[3], const struct mlrt_picture_kernels *picture)
+                                const float light_position[3], const struct readers *readers)
 {
     struct mlrt_source source;
     struct packed packed = pack(list);
@@ -540,7 +541,7 @@ static uint32_t compare_sources(const struct fixture *fixture, const struct ray_
     if (has_skips) rays.skip.data = packed.skip;
     mlrt_make_ray_source(fixture->tree, &rays, &source);
     mlrt_set_masks(fixture->tree, MLRT_MASK_ALL, 1, &source);
-    const uint32_t count = compare_tiles(&source, picture);
+    const uint32_t count = compare_tiles(&source, readers);
     const mlrt_points points = {.struct_size = sizeof points,
                                 .row_length = WIDTH,
                                 .count = list->count,
@@ -551,7 +552,7 @@ static uint32_t compare_sources(const struct fixture *fixture, const struct ray_
     for (light.kind = MLRT_LIGHT_POINT; light.kind <= MLRT_LIGHT_DIRECTIONAL; light.kind++) {
         mlrt_make_light_source(fixture->tree, &points, &light, &source);
         mlrt_set_masks(fixture->tree, MLRT_MASK_ALL, 1, &source);
-        compare_tiles(&source, picture);
+        compare_tiles(&source, readers);
     }
     free_packed(&packed, list->count);
     return count;
@@ -564,8 +565,8 @@ static void packets_are_the_same(void **state)
     const float eye[3] = {0.1f, -3, 0.7f};
     uint32_t alike = 0, rounds = 0;
     for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
-        const struct mlrt_kernels *kernels = mlrt_select_kernels(&mlrt_structure_bvh, isa, MLRT_METHOD_TILE, 0);
-        if (!kernels) continue;
+        const struct readers *readers = readers_of(isa);
+        if (!readers) continue;
         for (uint32_t i = 0; i < 120; i++) {
             struct random random = {2210 + i};
             struct ray_list list = {0};
@@ -582,7 +583,7 @@ static void packets_are_the_same(void **state)
             }
             if (i % 4 == 0) light[i % 3] = i % 8 ? 0x1p61f : -0.0f;
             if (i % 20 == 0) light[0] = light[1] = light[2] = 0;
-            alike += compare_sources(&fixture, &list, i % 3 == 0, light, kernels->picture);
+            alike += compare_sources(&fixture, &list, i % 3 == 0, light, readers);
             rounds++;
             free_rays(&list);
         }

@@ -39,7 +39,7 @@ static void check_by_tiles(const struct fixture *fixture, const struct ray_list 
                                 .positions = rays.origins,
                                 .skip = rays.skip};
     for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; ++isa) {
-        if (isa != MLRT_ISA_SCALAR && !isa_is_supported(isa)) continue;
+        if (!isa_is_supported(isa)) continue;
         mlrt_trace_options options = {.struct_size = sizeof options, .method = MLRT_METHOD_TILE, .isa = isa};
         describe(camera ? "camera" : light ? "light" : "arrays", &options, 0, text, sizeof text);
         memset(occluded, 0xA5, list->count);

@@ -6,9 +6,9 @@
  */
 #include <string.h>
 
-#include "run/dispatch.h"
 #include "rays/source.h"
 #include "support.h"
+#include "read/read.h"
 #include "trace/ray_tile.h"
 #include "scene/masks.h"
 
@@ -165,7 +165,7 @@ static void check_packet(const struct array arrays[FIELD_COUNT], const struct ml
 }
 
 static void check_source(const struct fixture *fixture, struct random *random, size_t number, size_t count,
-                         uint32_t row_length, uint32_t group, const struct mlrt_picture_kernels *picture)
+                         uint32_t row_length, uint32_t group, const struct readers *readers)
 {
     static struct mlrt_ray_tile tile;
     const struct layout *layout = &layouts[number];
@@ -200,7 +200,7 @@ static void check_source(const struct fixture *fixture, struct random *random, s
         for (uint32_t x = 0; x < source.width; x += 16) {
             struct mlrt_rectangle area = mlrt_cut_piece(&whole, x, y, is_list ? 64 : 16);
             mlrt_begin_tile(&area, is_list, &tile);
-            picture->read_packets(&source, &tile);
+            readers->read_packets(&source, &tile);
             for (uint32_t left = tile.blocks; left; left &= left - 1) {
                 const uint32_t place = mlrt_lowest_bit(left);
                 const struct mlrt_rectangle block = mlrt_block_of_tile(&tile, place);
@@ -238,14 +238,14 @@ static void rays_are_read_as_they_lie(void **state)
     struct fixture fixture = three_meshes();
     struct random random = {9100};
     for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
-        const struct mlrt_kernels *kernels = mlrt_select_kernels(&mlrt_structure_bvh, isa, MLRT_METHOD_TILE, 0);
-        if (!kernels) continue;
+        const struct readers *readers = readers_of(isa);
+        if (!readers) continue;
         for (size_t layout = 0; layout < LAYOUT_COUNT; layout++) {
             for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
                 for (size_t j = 0; j < sizeof groups / sizeof *groups; j++) {
                     if (counts[i] % groups[j]) continue;
                     const uint32_t row_length = row_lengths[draw_below(&random, 6)];
-                    check_source(&fixture, &random, layout, counts[i], row_length, groups[j], kernels->picture);
+                    check_source(&fixture, &random, layout, counts[i], row_length, groups[j], readers);
                 }
             }
         }

@@ -183,8 +183,7 @@ static void check_form(const struct fixture *fixture, struct random *random, con
 {
     struct arrays arrays = make_arrays(random, fixture->tree, form);
     struct results expected = make_results(form->count), got = make_results(form->count);
-    const mlrt_trace_options one_by_one = {
-        .struct_size = sizeof one_by_one, .method = MLRT_METHOD_RAY, .isa = MLRT_ISA_SCALAR};
+    const mlrt_trace_options one_by_one = {.struct_size = sizeof one_by_one, .method = MLRT_METHOD_RAY};
     trace_both(fixture->tree, &arrays.full_rays, &one_by_one, &expected);
     for (size_t v = 0; v < variant_count(); v++) {
         const struct variant *variant = variant_at(v);

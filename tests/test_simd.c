@@ -52,8 +52,7 @@ static const char *const names[WORD_COUNT] = {"v_set1",        "v_add",
                                               "f4_same_words", "f4_and_same",
                                               "f4_signs",      "f4_low",
                                               "f4_high",       "f4_evens",
-                                              "f4_odds",       "f4_store_low and f4_store_high",
-                                              "f4_triples",    "f4_gather_triples"};
+                                              "f4_odds",       "f4_store_low and f4_store_high"};
 
 static const float special[] = {0,
                                 -0.0f,
@@ -135,7 +134,7 @@ static void the_words_mean_the_same(void **state)
 {
     (void)state;
     check_words(run_words_scalar);
-#if MLRT_HAVE_SSE
+#if MLRT_SSE_KERNELS
     check_words(run_words_sse);
     if (isa_is_supported(MLRT_ISA_AVX2)) check_words(run_words_avx2);
     if (isa_is_supported(MLRT_ISA_AVX512)) check_words(run_words_avx512);

@@ -147,8 +147,8 @@ static void builders(const Arrays &arrays) {
         mlrt::Counters counters;
         mlrt::TraceOptions trace;
         trace.set(counters).set(host);
-        trace.method = method, trace.isa = MLRT_ISA_SCALAR, trace.culling = MLRT_CULLING_DIRECT,
-        trace.culling_check = 1;
+        trace.method = method, trace.isa = mlrt_capabilities() & MLRT_CAN_SSE ? MLRT_ISA_SSE : MLRT_ISA_SCALAR,
+        trace.culling = MLRT_CULLING_DIRECT, trace.culling_check = 1;
         trace.initial_tile_size = 16, trace.minimum_tile_size = 8, trace.split_factor = 4;
         trace.shortcuts_off = MLRT_SHORTCUT_WHOLE_TILES;
         require(hash_of(kdtree.trace(arrays.rays(), trace)) == hash_of(hits), "a kd-tree changes no answer");

@@ -102,6 +102,8 @@ func Version() (major, minor, patch int) {
 func CanUse(isa ISA) bool {
 	capabilities := C.mlrt_capabilities()
 	switch isa {
+	case Scalar:
+		return capabilities&C.MLRT_CAN_SSE == 0
 	case SSE:
 		return capabilities&C.MLRT_CAN_SSE != 0
 	case AVX2:

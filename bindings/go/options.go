@@ -96,7 +96,7 @@ type ISA int
 // Instruction sets.
 const (
 	AutoISA = ISA(C.MLRT_ISA_AUTO)   // the best that this machine has
-	Scalar  = ISA(C.MLRT_ISA_SCALAR) // plain C
+	Scalar  = ISA(C.MLRT_ISA_SCALAR) // plain C, where the processor has no SSE2
 	SSE     = ISA(C.MLRT_ISA_SSE)    // SSE2
 	AVX2    = ISA(C.MLRT_ISA_AVX2)   // AVX2 and FMA
 	AVX512  = ISA(C.MLRT_ISA_AVX512) // AVX-512 F and DQ
@@ -205,7 +205,7 @@ type TraceOptions struct {
 	ShortcutsOff    Shortcuts // Multilevel: shortcuts to do without
 	Mask            uint32    // rays see the meshes whose mask has a bit in common with it; 0 = all bits
 	Pool            *Pool     // whose threads trace; nil = the calling thread alone
-	Counters        *Counters // counts the work, in plain C
+	Counters        *Counters // counts the work, with narrower kernels
 	Lights          []Light   // Render of closest hits: 8 at most, whose shadows Occluded receives
 	Host            Host
 }

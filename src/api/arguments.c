@@ -32,14 +32,15 @@ int32_t mlrt_take_options(const mlrt_trace_options *given, struct mlrt_call *cal
     call->options = options;
     call->run.pool = options->pool;
     call->run.counters = options->counters;
-    if (options->host) status = mlrt_take_host("options.host", options->host, &call->run.host);
+    status = mlrt_take_host("options.host", options->host, &call->run.host);
     if (status != MLRT_OK || !counters) return status;
     status = mlrt_check_result_size(MLRT_STRUCT_COUNTERS, "options.counters", counters);
     return status == MLRT_OK ? mlrt_check_fields(MLRT_STRUCT_COUNTERS, "options.counters", 0, counters) : status;
 }
 
-int32_t mlrt_log_failure(const struct mlrt_call *call, int32_t status)
+int32_t mlrt_end_traced(const struct mlrt_call *call, int32_t status)
 {
+    if (status == MLRT_OK) return status;
     const struct mlrt_voice voice = {.host = call->run.host};
     return mlrt_end_call(&voice, status);
 }
@@ -47,9 +48,8 @@ int32_t mlrt_log_failure(const struct mlrt_call *call, int32_t status)
 int32_t mlrt_check_options(const mlrt_trace_options *options)
 {
     const uint32_t split = options->split_factor;
-    if (options->lights || options->light_count) {
+    if (options->lights || options->light_count)
         return fail_argument("options.lights", "only mlrt_render_tiles takes lights");
-    }
     if (split == 0 || split == 4 || split == 16) return MLRT_OK;
     return mlrt_fail(MLRT_ERROR_ARGUMENT, "options.split_factor: %lu is not 0, 4 or 16", (unsigned long)split);
 }
@@ -60,43 +60,27 @@ int32_t mlrt_take_lights(mlrt_trace_options *options, const mlrt_light **lights,
     *count = options->light_count;
     options->lights = NULL;
     options->light_count = 0;
-    if (*lights && options->query == MLRT_QUERY_ANY) {
+    if (*lights && options->query == MLRT_QUERY_ANY)
         return fail_argument("options.lights", "given, but query ANY takes no lights");
-    }
     return *lights || !*count ? MLRT_OK : fail_argument("options.lights", "NULL, but light_count is not 0");
 }
 
 /*
  * Calls of few rays spend a good part of their time on checks. So structs as most callers give them, without a broken
  * rule, are told from others here, all arrays at once; what is wrong with other structs the tables say. Arrays lie one
- * behind the other in structs. A stride of 0 is right, and any other multiple of 4 has room for 4 bytes.
+ * behind the other in structs, and mlrt_array begins as mlrt_const_array does. A stride of 0 or `all` is right, and any
+ * other multiple of 4 has room for 4 bytes.
  */
-static int are_right_rays(const mlrt_rays *rays)
+MLRT_INLINE int are_right_arrays(const void *arrays, size_t size, size_t all)
 {
-    const unsigned char *first = (const unsigned char *)rays + offsetof(mlrt_rays, origins);
     size_t addresses = 0, strides = 0;
     MLRT_UNROLL
-    for (int i = 0; i < 6; ++i) {
-        const mlrt_const_array *array = (const mlrt_const_array *)(const void *)(first + i * sizeof *array);
+    for (size_t i = 0; i < 6; ++i) {
+        const mlrt_const_array *array = (const void *)((const unsigned char *)arrays + i * size);
         addresses |= (uintptr_t)array->data;
-        strides |= array->stride == MLRT_STRIDE_ALL ? 0 : array->stride;
+        strides |= array->stride == all ? 0 : array->stride;
     }
-    return rays->struct_size == sizeof *rays && !rays->reserved && rays->count <= INT32_MAX &&
-           ((addresses | strides) & 3) == 0 && strides < MLRT_STRIDE_LIMIT;
-}
-
-static int are_right_hits(const mlrt_hits *hits)
-{
-    const unsigned char *first = (const unsigned char *)hits + offsetof(mlrt_hits, t);
-    size_t addresses = 0, strides = 0;
-    MLRT_UNROLL
-    for (int i = 0; i < 6; ++i) {
-        const mlrt_array *array = (const mlrt_array *)(const void *)(first + i * sizeof *array);
-        addresses |= (uintptr_t)array->data;
-        strides |= array->stride;
-    }
-    return hits->struct_size == sizeof *hits && !hits->reserved && ((addresses | strides) & 3) == 0 &&
-           (strides | hits->occluded.stride) < MLRT_STRIDE_LIMIT;
+    return ((addresses | strides) & 3) == 0 && strides < MLRT_STRIDE_LIMIT;
 }
 
 /* The rules between fields of rays. */
@@ -112,23 +96,26 @@ static int32_t check_rays(const mlrt_rays *rays)
 
 const mlrt_rays *mlrt_take_rays(const mlrt_rays *given, mlrt_rays *own, int32_t *status)
 {
+    const int is_right = given->struct_size == sizeof *given && !given->reserved && given->count <= INT32_MAX &&
+                         are_right_arrays(&given->origins, sizeof given->origins, MLRT_STRIDE_ALL);
     const mlrt_rays *rays =
-        MLRT_LIKELY(are_right_rays(given)) ? given : mlrt_see_struct(MLRT_STRUCT_RAYS, "rays", given, own, status);
+        MLRT_LIKELY(is_right) ? given : mlrt_see_struct(MLRT_STRUCT_RAYS, "rays", given, own, status);
     if (rays) *status = check_rays(rays);
     return *status == MLRT_OK ? rays : NULL;
 }
 
 const mlrt_hits *mlrt_take_hits(const mlrt_hits *given, mlrt_hits *own, int32_t *status)
 {
-    return MLRT_LIKELY(are_right_hits(given)) ? given : mlrt_see_struct(MLRT_STRUCT_HITS, "hits", given, own, status);
+    const int is_right = given->struct_size == sizeof *given && !given->reserved &&
+                         given->occluded.stride < MLRT_STRIDE_LIMIT && are_right_arrays(&given->t, sizeof given->t, 0);
+    return MLRT_LIKELY(is_right) ? given : mlrt_see_struct(MLRT_STRUCT_HITS, "hits", given, own, status);
 }
 
 const mlrt_points *mlrt_take_points(const mlrt_points *given, mlrt_points *own, int32_t *status)
 {
     const mlrt_points *points = mlrt_see_struct(MLRT_STRUCT_POINTS, "points", given, own, status);
-    if (points && points->count && !points->positions.data) {
+    if (points && points->count && !points->positions.data)
         *status = fail_argument("points.positions", "NULL, but count is not 0");
-    }
     return *status == MLRT_OK ? points : NULL;
 }
 

@@ -52,14 +52,8 @@ struct mlrt_call {
 /* Takes options (NULL = defaults). What depends on the kind of call is left to the next two functions. */
 int32_t mlrt_take_options(const mlrt_trace_options *given, struct mlrt_call *call);
 
-/* Sends the message of a failed call to the log of its host. Returns `status`. */
-int32_t mlrt_log_failure(const struct mlrt_call *call, int32_t status);
-
-/* Ends a call that took options. Returns `status`. */
-static inline int32_t mlrt_end_traced(const struct mlrt_call *call, int32_t status)
-{
-    return status == MLRT_OK ? status : mlrt_log_failure(call, status);
-}
+/* Ends a call that took options: the message of a failed call goes to the log of its host. Returns `status`. */
+int32_t mlrt_end_traced(const struct mlrt_call *call, int32_t status);
 
 /* Checks rules between fields. Lights are an error: mlrt_take_lights moves those of a picture out of its options. */
 int32_t mlrt_check_options(const mlrt_trace_options *options);

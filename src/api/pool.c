@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The exported functions for pools of threads.
- */
+/* The exported functions for pools of threads. */
 #include "base/host.h"
 #include "base/scheduler.h"
 #include "base/structs.h"

@@ -44,10 +44,9 @@
  * After the hash, loading checks all that memory safety and the end of every traversal depend on. Sizes and places of
  * sections must be those that follow from the counts. Tables of meshes must ascend. Each triangle must be at its place,
  * and the corners in leaves must be those of their triangles. Bounds, the unit and the numbers of triangles left out
- * are computed again. Nodes must pass
- * mlrt_check_nodes or mlrt_check_boxes. One kind of invariant is not checked: that boxes and cells contain what is
- * below them (I3, B3). If one is violated, rays can miss a triangle, but there are no false hits: whether a ray hits a
- * triangle, and where, is decided with the triangle alone.
+ * are computed again. Nodes must pass mlrt_check_nodes or mlrt_check_boxes. One kind of invariant is not checked: that
+ * boxes and cells contain what is below them (I3, B3). If one is violated, rays can miss a triangle, but there are no
+ * false hits: whether a ray hits a triangle, and where, is decided with the triangle alone.
  *
  * Checks read the tree's own copy, so a change of the data meanwhile does no harm, unless they are used in place.
  */
@@ -152,9 +151,8 @@ static uint64_t lay_out(const struct mlrt_structure *structure, const struct hea
         const struct mlrt_section *kind = section_at(structure, i);
         sections[i].offset = (end + SECTION_ALIGNMENT - 1) / SECTION_ALIGNMENT * SECTION_ALIGNMENT;
         sections[i].size = 0;
-        if (kind && header->counts[kind->needs]) {
+        if (kind && header->counts[kind->needs])
             sections[i].size = header->counts[kind->count] * (uint64_t)kind->element + kind->more;
-        }
         end = sections[i].offset + sections[i].size;
     }
     return (end + SECTION_ALIGNMENT - 1) / SECTION_ALIGNMENT * SECTION_ALIGNMENT;
@@ -249,13 +247,11 @@ static void make_header(const struct mlrt_tree *tree, struct header *header)
     header->counts[MLRT_SAVED_TRIANGLES] = tree->triangle_count;
     for (int i = 0; i < SECTION_COUNT; ++i) {
         const struct mlrt_section *kind = section_at(structure, i);
-        if (kind && get_array(tree, kind)) {
+        if (kind && get_array(tree, kind))
             memcpy(&header->counts[kind->count], member_at(tree, kind->length), sizeof header->counts[0]);
-        }
     }
-    if (structure->file.numbers) {
+    if (structure->file.numbers)
         memcpy(header->numbers, member_at(tree, structure->file.numbers), sizeof header->numbers);
-    }
     header->info = tree->info;
     memcpy(header->magic, magic, sizeof magic);
     header->info.struct_size = 0;
@@ -288,9 +284,8 @@ MLRT_API int32_t mlrt_save_tree(const mlrt_tree *tree, void *buffer, size_t capa
     char given[MLRT_DIGITS], needed[MLRT_DIGITS];
     make_header(tree, &header);
     const char *file_size = mlrt_write_digits(header.size, needed);
-    if (header.size > SIZE_MAX) {
+    if (header.size > SIZE_MAX)
         return mlrt_fail(MLRT_ERROR_TOO_LARGE, "tree: its %s bytes are more than this process can address", file_size);
-    }
     *size = (size_t)header.size;
     if (!buffer) return MLRT_OK;
     if (capacity < header.size) {
@@ -339,9 +334,8 @@ static int take_sections(const struct header *header, const unsigned char *data,
 {
     const struct mlrt_structure *structure = tree->structure;
     tree->triangle_count = header->counts[MLRT_SAVED_TRIANGLES];
-    if (structure->file.numbers) {
+    if (structure->file.numbers)
         memcpy(member_at(tree, structure->file.numbers), header->numbers, sizeof header->numbers);
-    }
     for (int i = 0; i < SECTION_COUNT; ++i) {
         const struct mlrt_section *kind = section_at(structure, i);
         const unsigned char *from = data + (size_t)header->sections[i].offset;
@@ -373,29 +367,18 @@ static const char *check_meshes(const struct mlrt_tree *tree)
         first = tree->meshes.first[i];
         if (tree->meshes.by_id[i] >= tree->meshes.count) return "a position is not that of a mesh";
         const uint32_t id = tree->meshes.ids[tree->meshes.by_id[i]];
-        if (id == MLRT_NONE || (i > 0 && id <= tree->meshes.ids[tree->meshes.by_id[i - 1]])) {
+        if (id == MLRT_NONE || (i > 0 && id <= tree->meshes.ids[tree->meshes.by_id[i - 1]]))
             return "ids of meshes are not in order, or not different";
-        }
     }
     const uint32_t last = tree->meshes.first[tree->meshes.count];
     return last == tree->triangle_count && last >= first ? NULL : "meshes have not as many triangles as the tree";
-}
-
-static void extend_box(struct mlrt_box *box, const struct mlrt_triangle *triangle)
-{
-    const float *coordinate = triangle->v[0];
-    for (int i = 0; i < 9; ++i) {
-        const int k = i % 3;
-        if (coordinate[i] < box->lo[k]) box->lo[k] = coordinate[i];
-        if (coordinate[i] > box->hi[k]) box->hi[k] = coordinate[i];
-    }
 }
 
 /* Computes bounds and numbers of triangles left out, compares them with the report, and sets the tree's bounds. */
 static const char *check_report(struct mlrt_tree *tree)
 {
     uint64_t non_finite_count = 0, zero_area_count = 0;
-    struct mlrt_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    struct mlrt_box box = MLRT_NO_BOX;
     for (uint32_t i = 0; i < tree->triangle_count; ++i) {
         const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, i);
         if (!mlrt_triangle_is_finite(&triangle)) {
@@ -403,14 +386,13 @@ static const char *check_report(struct mlrt_tree *tree)
         } else if (!mlrt_triangle_has_area(&triangle)) {
             ++zero_area_count;
         } else {
-            extend_box(&box, &triangle);
+            for (int corner = 0; corner < 3; ++corner) mlrt_extend_box(triangle.v[corner], triangle.v[corner], &box);
         }
     }
     const int is_empty = non_finite_count + zero_area_count == tree->triangle_count;
     if (is_empty) memset(&box, 0, sizeof box);
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k)
         if (tree->info.bounds_min[k] != box.lo[k] || tree->info.bounds_max[k] != box.hi[k]) return "bounds are wrong";
-    }
     if (tree->info.triangle_count != tree->triangle_count || tree->info.non_finite_count != non_finite_count ||
         tree->info.zero_area_count != zero_area_count) {
         return "triangles are miscounted";
@@ -467,18 +449,6 @@ static MLRT_NOINLINE int32_t take_file(const struct header *header, const unsign
     return MLRT_OK;
 }
 
-static int32_t take_load_options(const mlrt_load_options *given, mlrt_load_options *options, struct mlrt_voice *voice)
-{
-    memset(voice, 0, sizeof *voice);
-    int32_t status = mlrt_copy_struct(MLRT_STRUCT_LOAD_OPTIONS, "options", 0, given, options);
-    if (status != MLRT_OK) return status;
-    voice->message = options->message;
-    voice->message_size = options->message_size;
-    mlrt_begin_message(voice);
-    status = mlrt_take_host("options.host", options->host, &voice->host);
-    return status == MLRT_OK ? mlrt_check_fields(MLRT_STRUCT_LOAD_OPTIONS, "options", 0, options) : status;
-}
-
 /* Sets *tree, or frees what was made of it. For MLRT_ERROR_DATA, *wrong receives the reason. */
 static MLRT_NOINLINE int32_t load(const void *data, size_t size, const mlrt_load_options *options,
                                   const mlrt_host *host, mlrt_tree **tree, const char **wrong)
@@ -504,8 +474,10 @@ MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_o
     if (tree) *tree = NULL;
     if (!data || !tree) return mlrt_fail_null("data tree", !data);
     mlrt_load_options own;
-    struct mlrt_voice voice;
-    int32_t status = take_load_options(options, &own, &voice);
+    struct mlrt_voice voice = {.message = NULL};
+    int32_t status = mlrt_copy_struct(MLRT_STRUCT_LOAD_OPTIONS, "options", 0, options, &own);
+    if (status == MLRT_OK)
+        status = mlrt_begin_call(MLRT_STRUCT_LOAD_OPTIONS, &own, own.message, own.message_size, own.host, &voice);
     if (status == MLRT_OK) {
         const char *wrong = NULL;
         const uint64_t environment = mlrt_enter_fp_environment();

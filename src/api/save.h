@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Functions for trees that are built and trees that are loaded.
- */
+/* Functions for trees that are built and trees that are loaded. */
 #ifndef MLRT_API_SAVE_H
 #define MLRT_API_SAVE_H
 

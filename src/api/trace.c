@@ -27,16 +27,11 @@
 #define DEFAULT_MINIMUM_TILE 32
 #define DEFAULT_SPLIT_FACTOR 16
 
-static int is_power_of_two(uint32_t n)
-{
-    return n != 0 && (n & (n - 1)) == 0;
-}
-
 /* Sets *size to `given`, or to `standard` if that is 0. A power of two from 4 to `most` is right. Returns a status. */
 static int32_t resolve_size(const char *field, uint32_t given, uint32_t standard, uint32_t most, uint32_t *size)
 {
     *size = given ? given : standard;
-    if (given == 0 || (is_power_of_two(given) && given >= 4 && given <= most)) return MLRT_OK;
+    if (given == 0 || (!(given & (given - 1)) && given >= 4 && given <= most)) return MLRT_OK;
     return mlrt_fail(MLRT_ERROR_ARGUMENT, "options.%s: %lu is not a power of two from 4 to %lu", field,
                      (unsigned long)given, (unsigned long)most);
 }
@@ -104,15 +99,6 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
 
 /* ---- rays ---- */
 
-static int32_t make_packet_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct mlrt_call *call,
-                               const mlrt_hits *hits, struct mlrt_job *job)
-{
-    mlrt_make_ray_source(tree, rays, &job->source);
-    if (!rays->row_length) mlrt_set_rows(mlrt_find_row_length(&job->source), &job->source);
-    mlrt_make_sink(hits, job->source.width, 1, &job->frame);
-    return resolve_options(tree, call->options, job);
-}
-
 MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                    const mlrt_hits *hits)
 {
@@ -120,15 +106,16 @@ MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays,
     mlrt_rays own_rays;
     mlrt_hits own_hits;
     struct mlrt_call call;
+    struct mlrt_job job;
     int32_t status = mlrt_take_options(options, &call);
     if (status == MLRT_OK) rays = mlrt_take_rays(rays, &own_rays, &status);
     if (status == MLRT_OK) hits = mlrt_take_hits(hits, &own_hits, &status);
-    if (status == MLRT_OK) {
-        status = mlrt_check_hits("hits", hits, call.options, 0, !rays->count || call.run.counters);
-    }
+    if (status == MLRT_OK) status = mlrt_check_hits("hits", hits, call.options, 0, !rays->count || call.run.counters);
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
-    struct mlrt_job job;
-    status = make_packet_job(tree, rays, &call, hits, &job);
+    mlrt_make_ray_source(tree, rays, &job.source);
+    if (!rays->row_length) mlrt_set_rows(mlrt_find_row_length(&job.source), &job.source);
+    mlrt_make_sink(hits, job.source.width, 1, &job.frame);
+    status = resolve_options(tree, call.options, &job);
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
     return mlrt_end_traced(&call, status);
 }
@@ -155,20 +142,17 @@ static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const m
                             .t_max = {&t_max, 0},
                             .skip = {ray->flags & MLRT_RAY_SKIP ? skip : NULL, 0}};
     uint8_t occluded = 0;
-    mlrt_hits hits = {.struct_size = sizeof hits};
-    if (any) {
-        hits.occluded.data = &occluded;
-    } else {
-        hits.t.data = &hit->t;
-        hits.u.data = &hit->u;
-        hits.v.data = &hit->v;
-        hits.mesh.data = &hit->mesh;
-        hits.triangle.data = &hit->triangle;
-        hits.facing.data = &hit->facing;
-    }
+    const mlrt_hits closest = {.struct_size = sizeof closest,
+                               .t = {&hit->t, 0, 0},
+                               .u = {&hit->u, 0, 0},
+                               .v = {&hit->v, 0, 0},
+                               .mesh = {&hit->mesh, 0, 0},
+                               .triangle = {&hit->triangle, 0, 0},
+                               .facing = {&hit->facing, 0, 0}};
+    const mlrt_hits shadow = {.struct_size = sizeof shadow, .occluded = {&occluded, 0, 0}};
     mlrt_trace_options alone = *options;
     alone.host = NULL;
-    const int32_t status = mlrt_trace_packet(tree, &rays, &alone, &hits);
+    const int32_t status = mlrt_trace_packet(tree, &rays, &alone, any ? &shadow : &closest);
     if (status == MLRT_OK) hit->occluded = any ? occluded : hit->triangle != MLRT_NONE;
     return status;
 }
@@ -182,13 +166,12 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray
     int32_t status = mlrt_take_options(options, &call);
     if (status == MLRT_OK) status = resolve_options(tree, call.options, &job);
     if (status != MLRT_OK) return status;
-    if (call.options->method != MLRT_METHOD_DEFAULT && call.options->method != MLRT_METHOD_RAY) {
+    if (call.options->method != MLRT_METHOD_DEFAULT && call.options->method != MLRT_METHOD_RAY)
         return trace_as_list(tree, ray, call.options, job.any, hit);
-    }
     mlrt_counters own = {.struct_size = 0};
     mlrt_counters *counters = call.options->counters;
     const uint64_t environment = mlrt_enter_fp_environment();
-    if (job.kernels->trace_ray) {
+    if (job.method == MLRT_METHOD_TILE && !counters) {
         lone->kernels = job.kernels;
         (void)mlrt_trace_lone_ray(tree, lone, hit);
     } else {
@@ -243,11 +226,11 @@ static MLRT_NOINLINE int32_t trace_any_ray(const mlrt_tree *tree, const mlrt_ray
     set_lone_ray(tree, ray, options, &lone);
     lone.t_min = ray->t_min;
     lone.t_max = resolve_t_max(ray);
-    int is_plain = tree->structure->tracer.has_lone_kernels && (!options || mlrt_are_plain(options));
+    int is_plain = tree->structure->tracer.method == MLRT_METHOD_TILE && (!options || mlrt_are_plain(options));
     if (is_plain && options && options->isa) {
         is_plain = (uint32_t)options->isa <= MLRT_ISA_AVX512;
         if (is_plain) lone.kernels = mlrt_select_kernels(tree->structure, options->isa, MLRT_METHOD_DEFAULT, 0);
-        is_plain &= lone.kernels && lone.kernels->trace_ray;
+        is_plain &= lone.kernels != NULL;
     }
     if (!is_plain) return trace_as_call(tree, ray, options, &lone, hit);
     const uint64_t environment = mlrt_enter_fp_environment();
@@ -284,9 +267,8 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
 {
     struct mlrt_lone_ray lone;
     uint64_t environment;
-    if (MLRT_UNLIKELY(!is_usual_call(tree, ray, options, hit) || !mlrt_has_usual_fp_environment(&environment))) {
+    if (MLRT_UNLIKELY(!is_usual_call(tree, ray, options, hit) || !mlrt_has_usual_fp_environment(&environment)))
         return trace_any_ray(tree, ray, options, hit);
-    }
     switch (mlrt_take_lone_ray(&tree->bvh.whole, ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &lone)) {
     case MLRT_LONE_RAY_QUIET_MISS:
         mlrt_set_miss(options ? options->query : 0, hit);
@@ -303,13 +285,6 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     }
 }
 
-static int32_t make_list_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct mlrt_call *call,
-                             struct mlrt_job *job)
-{
-    mlrt_make_ray_source(tree, rays, &job->source);
-    return resolve_options(tree, call->options, job);
-}
-
 MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                      const mlrt_hit_lists *lists)
 {
@@ -323,7 +298,8 @@ MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *ray
     if (status == MLRT_OK) status = mlrt_check_lists(&own_lists, !rays->count || call.run.counters);
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
     struct mlrt_job job;
-    status = make_list_job(tree, rays, &call, &job);
+    mlrt_make_ray_source(tree, rays, &job.source);
+    status = resolve_options(tree, call.options, &job);
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_all_hits(tree, &job.source, &own_lists, &call.run));
     return mlrt_end_traced(&call, status);
 }
@@ -409,12 +385,9 @@ static MLRT_NOINLINE int32_t write_camera_rays(const mlrt_camera *camera, const 
         for (uint32_t i = 0; i < view.width; ++i) {
             float p[3];
             mlrt_view_point(&view, i, j, p);
-            if (origins->data) {
-                memcpy(vector_at(origins, view.width, i, j), view.parallel ? p : view.eye, sizeof p);
-            }
-            if (directions->data) {
+            if (origins->data) memcpy(vector_at(origins, view.width, i, j), view.parallel ? p : view.eye, sizeof p);
+            if (directions->data)
                 memcpy(vector_at(directions, view.width, i, j), view.parallel ? camera->direction : p, sizeof p);
-            }
         }
     }
     return MLRT_OK;
@@ -436,15 +409,6 @@ MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *o
     return status;
 }
 
-static int32_t make_light_job(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
-                              const struct mlrt_call *call, const mlrt_array *occluded, struct mlrt_job *job)
-{
-    const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = *occluded};
-    mlrt_make_light_source(tree, points, light, &job->source);
-    mlrt_make_sink(&hits, job->source.width, 1, &job->frame);
-    return resolve_options(tree, call->options, job);
-}
-
 MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
                                       const mlrt_trace_options *options, const mlrt_array *occluded)
 {
@@ -461,7 +425,10 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
     if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_BYTES, "occluded", 0, occluded);
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
     struct mlrt_job job;
-    status = make_light_job(tree, points, &own_light, &call, occluded, &job);
+    const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = *occluded};
+    mlrt_make_light_source(tree, points, &own_light, &job.source);
+    mlrt_make_sink(&hits, job.source.width, 1, &job.frame);
+    status = resolve_options(tree, call.options, &job);
     job.any = 1;
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
     return mlrt_end_traced(&call, status);
@@ -532,10 +499,9 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
 static MLRT_NOINLINE int32_t find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int32_t side,
                                                float point[3])
 {
-    if (mlrt_find_offset_point(triangle, u, v, side, point)) return MLRT_OK;
-    if (mlrt_triangle_is_finite(triangle) && mlrt_triangle_has_area(triangle)) {
+    if (mlrt_find_offset_point(triangle, u, v, side, NULL, point)) return MLRT_OK;
+    if (mlrt_triangle_is_finite(triangle) && mlrt_triangle_has_area(triangle))
         return mlrt_fail(MLRT_ERROR_ARGUMENT, "point: it would leave the range of float");
-    }
     return mlrt_fail(MLRT_ERROR_ARGUMENT, "triangle: it is not finite, or has no area");
 }
 

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The exported functions for trees: build, report, estimate memory, destroy.
- */
+/* The exported functions for trees: build, report, estimate memory, destroy. */
 #include <string.h>
 
 #include "api/save.h"
@@ -35,19 +33,16 @@ typedef char options_begin_alike[SAME_PLACE(preset) && SAME_PLACE(traversal_cost
                                      ? 1
                                      : -1];
 
-/* Takes options. The caller's buffer and the host are known before fields are checked, and so can have the message. */
 static int32_t take_options(const void *given, const struct mlrt_structure *structure, struct call *call)
 {
     const int form = structure->builder.options_form;
+    const mlrt_tree_options *options = &call->options.tree;
     memset(call, 0, sizeof *call);
     call->structure = structure;
-    int32_t status = mlrt_copy_struct(form, "options", 0, given, &call->options);
-    if (status != MLRT_OK) return status;
-    call->voice.message = call->options.tree.message;
-    call->voice.message_size = call->options.tree.message_size;
-    mlrt_begin_message(&call->voice);
-    status = mlrt_take_host("options.host", call->options.tree.host, &call->voice.host);
-    return status == MLRT_OK ? mlrt_check_fields(form, "options", 0, &call->options) : status;
+    const int32_t status = mlrt_copy_struct(form, "options", 0, given, &call->options);
+    return status != MLRT_OK
+               ? status
+               : mlrt_begin_call(form, options, options->message, options->message_size, options->host, &call->voice);
 }
 
 /* ---- building ---- */

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The forms of the structs of mlrt.h: see forms.h.
- */
+/* The forms of the structs of mlrt.h: see forms.h. */
 #include "base/forms.h"
 
 /* Bytes up to the end of a field: the size of the struct in a version whose last field it was. */
@@ -9,100 +7,72 @@
 
 #define FIELD_RULE(type, field, kind, most) #field, offsetof(type, field), most, MLRT_FIELD_##kind
 
-const struct mlrt_rules mlrt_rules =
-    {
-        .host = {{FIELD_RULE(mlrt_host, reserved, COUNT, 0)}},
-        .pool_options = {{FIELD_RULE(mlrt_pool_options, thread_count, COUNT, MLRT_THREAD_LIMIT)}},
-        .tree_options =
-            {
-                {FIELD_RULE(mlrt_tree_options, preset, INTEGER, MLRT_TREE_BEST)},
-                {FIELD_RULE(mlrt_tree_options, traversal_cost, COST, 1)},
-                {FIELD_RULE(mlrt_tree_options, intersection_cost, COST, 1)},
-            },
-        .kdtree_options =
-            {
-                {FIELD_RULE(mlrt_kdtree_options, preset, INTEGER, MLRT_KDTREE_TUNED)},
-                {FIELD_RULE(mlrt_kdtree_options, max_depth, COUNT, MLRT_DEPTH_LIMIT)},
-                {FIELD_RULE(mlrt_kdtree_options, rules_off, COUNT, 31)},
-                {FIELD_RULE(mlrt_kdtree_options, traversal_cost, COST, 1)},
-                {FIELD_RULE(mlrt_kdtree_options, intersection_cost, COST, 1)},
-            },
-        .load_options = {{FIELD_RULE(mlrt_load_options, flags, COUNT, MLRT_LOAD_IN_PLACE)}},
-        .trace_options =
-            {
-                {FIELD_RULE(mlrt_trace_options, query, INTEGER, MLRT_QUERY_ANY)},
-                {FIELD_RULE(mlrt_trace_options, method, INTEGER, MLRT_METHOD_TILE)},
-                {FIELD_RULE(mlrt_trace_options, isa, INTEGER, MLRT_ISA_AVX512)},
-                {FIELD_RULE(mlrt_trace_options, culling, INTEGER, MLRT_CULLING_DIRECT)},
-                {FIELD_RULE(mlrt_trace_options, culling_check, COUNT, 1)},
-                {FIELD_RULE(mlrt_trace_options, outputs, COUNT, 63)},
-                {FIELD_RULE(mlrt_trace_options, shortcuts_off, COUNT, 7)},
-                {FIELD_RULE(mlrt_trace_options, light_count, COUNT, MLRT_LIGHT_LIMIT)},
-                {FIELD_RULE(mlrt_trace_options, reserved, COUNT, 0)},
-            },
-        .counters = {{FIELD_RULE(mlrt_counters, reserved, COUNT, 0)}},
-        .ray = {{FIELD_RULE(mlrt_ray, flags, COUNT, MLRT_RAY_SKIP)}},
-        .rays =
-            {
-                {FIELD_RULE(mlrt_rays, reserved, COUNT, 0)},
-                {FIELD_RULE(mlrt_rays, count, SIZE, 0)},
-                {FIELD_RULE(mlrt_rays, origins, INPUT, 0)},
-                {FIELD_RULE(mlrt_rays, directions, INPUT, 0)},
-                {FIELD_RULE(mlrt_rays, t_min, INPUT, 0)},
-                {FIELD_RULE(mlrt_rays, t_max, INPUT, 0)},
-                {FIELD_RULE(mlrt_rays, skip, INPUT, 0)},
-                {FIELD_RULE(mlrt_rays, mask, INPUT, 0)},
-            },
-        .points =
-            {
-                {FIELD_RULE(mlrt_points, count, SIZE, 0)},
-                {FIELD_RULE(mlrt_points, positions, INPUT, 0)},
-                {FIELD_RULE(mlrt_points, skip, INPUT, 0)},
-            },
-        .light =
-            {
-                {FIELD_RULE(mlrt_light, kind, INTEGER, MLRT_LIGHT_DIRECTIONAL)},
-                {FIELD_RULE(mlrt_light, position, FINITE, 3)},
-            },
-        .hits =
-            {
-                {FIELD_RULE(mlrt_hits, reserved, COUNT, 0)},
-                {FIELD_RULE(mlrt_hits, t, OUTPUT, 4)},
-                {FIELD_RULE(mlrt_hits, u, OUTPUT, 4)},
-                {FIELD_RULE(mlrt_hits, v, OUTPUT, 4)},
-                {FIELD_RULE(mlrt_hits, mesh, OUTPUT, 4)},
-                {FIELD_RULE(mlrt_hits, triangle, OUTPUT, 4)},
-                {FIELD_RULE(mlrt_hits, facing, OUTPUT, 4)},
-                {FIELD_RULE(mlrt_hits, occluded, OUTPUT, 1)},
-            },
-        .hit_lists =
-            {
-                {FIELD_RULE(mlrt_hit_lists, t, OUTPUT, 4)},
-                {FIELD_RULE(mlrt_hit_lists, u, OUTPUT, 4)},
-                {FIELD_RULE(mlrt_hit_lists, v, OUTPUT, 4)},
-                {FIELD_RULE(mlrt_hit_lists, mesh, OUTPUT, 4)},
-                {FIELD_RULE(mlrt_hit_lists, triangle, OUTPUT, 4)},
-                {FIELD_RULE(mlrt_hit_lists, facing, OUTPUT, 4)},
-                {FIELD_RULE(mlrt_hit_lists, crossing, OUTPUT, 1)},
-                {FIELD_RULE(mlrt_hit_lists, total, OUTPUT, 4)},
-                {FIELD_RULE(mlrt_hit_lists, crossing_total, OUTPUT, 4)},
-            },
-        .camera = {{FIELD_RULE(mlrt_camera, projection, INTEGER, MLRT_PROJECTION_PARALLEL)}},
-        .view =
-            {
-                {FIELD_RULE(mlrt_camera, direction, FINITE, 3)}, /* of parallel cameras, which have no eye */
-                {FIELD_RULE(mlrt_camera, d00, FINITE, 3)},
-                {FIELD_RULE(mlrt_camera, dx, FINITE, 3)},
-                {FIELD_RULE(mlrt_camera, dy, FINITE, 3)},
-                {FIELD_RULE(mlrt_camera, sample_x, FINITE, 1)},
-                {FIELD_RULE(mlrt_camera, sample_y, FINITE, 1)},
-                {FIELD_RULE(mlrt_camera, t_min, NUMBER, 1)},
-                {FIELD_RULE(mlrt_camera, t_max, NUMBER, 1)},
-                {FIELD_RULE(mlrt_camera, eye, FINITE, 3)}, /* of pinhole cameras, which have no direction */
-            },
-        .vectors = {{"", 0, 12, MLRT_FIELD_OUTPUT}},
-        .bytes = {{"", 0, 1, MLRT_FIELD_OUTPUT}},
-        .number = {{"", 0, 1, MLRT_FIELD_FINITE}},
+const struct mlrt_rules mlrt_rules = {
+    .host = {{FIELD_RULE(mlrt_host, reserved, COUNT, 0)}},
+    .pool_options = {{FIELD_RULE(mlrt_pool_options, thread_count, COUNT, MLRT_THREAD_LIMIT)}},
+    .tree_options = {{FIELD_RULE(mlrt_tree_options, preset, INTEGER, MLRT_TREE_BEST)},
+                     {FIELD_RULE(mlrt_tree_options, traversal_cost, COST, 1)},
+                     {FIELD_RULE(mlrt_tree_options, intersection_cost, COST, 1)}},
+    .kdtree_options = {{FIELD_RULE(mlrt_kdtree_options, preset, INTEGER, MLRT_KDTREE_TUNED)},
+                       {FIELD_RULE(mlrt_kdtree_options, max_depth, COUNT, MLRT_DEPTH_LIMIT)},
+                       {FIELD_RULE(mlrt_kdtree_options, rules_off, COUNT, 31)},
+                       {FIELD_RULE(mlrt_kdtree_options, traversal_cost, COST, 1)},
+                       {FIELD_RULE(mlrt_kdtree_options, intersection_cost, COST, 1)}},
+    .load_options = {{FIELD_RULE(mlrt_load_options, flags, COUNT, MLRT_LOAD_IN_PLACE)}},
+    .trace_options = {{FIELD_RULE(mlrt_trace_options, query, INTEGER, MLRT_QUERY_ANY)},
+                      {FIELD_RULE(mlrt_trace_options, method, INTEGER, MLRT_METHOD_TILE)},
+                      {FIELD_RULE(mlrt_trace_options, isa, INTEGER, MLRT_ISA_AVX512)},
+                      {FIELD_RULE(mlrt_trace_options, culling, INTEGER, MLRT_CULLING_DIRECT)},
+                      {FIELD_RULE(mlrt_trace_options, culling_check, COUNT, 1)},
+                      {FIELD_RULE(mlrt_trace_options, outputs, COUNT, 63)},
+                      {FIELD_RULE(mlrt_trace_options, shortcuts_off, COUNT, 7)},
+                      {FIELD_RULE(mlrt_trace_options, light_count, COUNT, MLRT_LIGHT_LIMIT)},
+                      {FIELD_RULE(mlrt_trace_options, reserved, COUNT, 0)}},
+    .counters = {{FIELD_RULE(mlrt_counters, reserved, COUNT, 0)}},
+    .ray = {{FIELD_RULE(mlrt_ray, flags, COUNT, MLRT_RAY_SKIP)}},
+    .rays = {{FIELD_RULE(mlrt_rays, reserved, COUNT, 0)},
+             {FIELD_RULE(mlrt_rays, count, SIZE, 0)},
+             {FIELD_RULE(mlrt_rays, origins, INPUT, 0)},
+             {FIELD_RULE(mlrt_rays, directions, INPUT, 0)},
+             {FIELD_RULE(mlrt_rays, t_min, INPUT, 0)},
+             {FIELD_RULE(mlrt_rays, t_max, INPUT, 0)},
+             {FIELD_RULE(mlrt_rays, skip, INPUT, 0)},
+             {FIELD_RULE(mlrt_rays, mask, INPUT, 0)}},
+    .points = {{FIELD_RULE(mlrt_points, count, SIZE, 0)},
+               {FIELD_RULE(mlrt_points, positions, INPUT, 0)},
+               {FIELD_RULE(mlrt_points, skip, INPUT, 0)}},
+    .light = {{FIELD_RULE(mlrt_light, kind, INTEGER, MLRT_LIGHT_DIRECTIONAL)},
+              {FIELD_RULE(mlrt_light, position, FINITE, 3)}},
+    .hits = {{FIELD_RULE(mlrt_hits, reserved, COUNT, 0)},
+             {FIELD_RULE(mlrt_hits, t, OUTPUT, 4)},
+             {FIELD_RULE(mlrt_hits, u, OUTPUT, 4)},
+             {FIELD_RULE(mlrt_hits, v, OUTPUT, 4)},
+             {FIELD_RULE(mlrt_hits, mesh, OUTPUT, 4)},
+             {FIELD_RULE(mlrt_hits, triangle, OUTPUT, 4)},
+             {FIELD_RULE(mlrt_hits, facing, OUTPUT, 4)},
+             {FIELD_RULE(mlrt_hits, occluded, OUTPUT, 1)}},
+    .hit_lists = {{FIELD_RULE(mlrt_hit_lists, t, OUTPUT, 4)},
+                  {FIELD_RULE(mlrt_hit_lists, u, OUTPUT, 4)},
+                  {FIELD_RULE(mlrt_hit_lists, v, OUTPUT, 4)},
+                  {FIELD_RULE(mlrt_hit_lists, mesh, OUTPUT, 4)},
+                  {FIELD_RULE(mlrt_hit_lists, triangle, OUTPUT, 4)},
+                  {FIELD_RULE(mlrt_hit_lists, facing, OUTPUT, 4)},
+                  {FIELD_RULE(mlrt_hit_lists, crossing, OUTPUT, 1)},
+                  {FIELD_RULE(mlrt_hit_lists, total, OUTPUT, 4)},
+                  {FIELD_RULE(mlrt_hit_lists, crossing_total, OUTPUT, 4)}},
+    .camera = {{FIELD_RULE(mlrt_camera, projection, INTEGER, MLRT_PROJECTION_PARALLEL)}},
+    .view = {{FIELD_RULE(mlrt_camera, direction, FINITE, 3)}, /* of parallel cameras, which have no eye */
+             {FIELD_RULE(mlrt_camera, d00, FINITE, 3)},
+             {FIELD_RULE(mlrt_camera, dx, FINITE, 3)},
+             {FIELD_RULE(mlrt_camera, dy, FINITE, 3)},
+             {FIELD_RULE(mlrt_camera, sample_x, FINITE, 1)},
+             {FIELD_RULE(mlrt_camera, sample_y, FINITE, 1)},
+             {FIELD_RULE(mlrt_camera, t_min, NUMBER, 1)},
+             {FIELD_RULE(mlrt_camera, t_max, NUMBER, 1)},
+             {FIELD_RULE(mlrt_camera, eye, FINITE, 3)}}, /* of pinhole cameras, which have no direction */
+    .vectors = {{"", 0, 12, MLRT_FIELD_OUTPUT}},
+    .bytes = {{"", 0, 1, MLRT_FIELD_OUTPUT}},
+    .number = {{"", 0, 1, MLRT_FIELD_FINITE}},
 };
 
 /* `last` is the last field of the first version. */

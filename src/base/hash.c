@@ -29,9 +29,7 @@ static inline uint64_t take(uint64_t lane, uint64_t value)
 
 static inline void take_block(uint64_t lane[MLRT_HASH_LANES], const uint32_t words[BLOCK_WORDS])
 {
-    for (int j = 0; j < MLRT_HASH_LANES; ++j) {
-        lane[j] = take(lane[j], words[2 * j] | (uint64_t)words[2 * j + 1] << 32);
-    }
+    for (int j = 0; j < MLRT_HASH_LANES; ++j) lane[j] = take(lane[j], words[2 * j] | (uint64_t)words[2 * j + 1] << 32);
 }
 
 void mlrt_start_hash(struct mlrt_hash *hash)

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The host's functions, and messages: see host.h.
- */
+/* The host's functions, and messages: see host.h. */
 #include "base/host.h"
 
 #include <stdarg.h>
@@ -15,16 +13,20 @@ int32_t mlrt_take_host(const char *path, const mlrt_host *given, mlrt_host *own)
     memset(own, 0, sizeof *own);
     if (!given) return MLRT_OK;
     int32_t status = mlrt_take_struct(MLRT_STRUCT_HOST, path, 0, given, own);
-    if (status == MLRT_OK && !own->allocate != !own->free) {
+    if (status == MLRT_OK && !own->allocate != !own->free)
         status = mlrt_fail(MLRT_ERROR_ARGUMENT, "%s: `allocate` without `free`, or `free` without `allocate`", path);
-    }
     if (status != MLRT_OK) memset(own, 0, sizeof *own);
     return status;
 }
 
-void mlrt_begin_message(const struct mlrt_voice *voice)
+int32_t mlrt_begin_call(int form, const void *options, char *message, size_t message_size, const mlrt_host *host,
+                        struct mlrt_voice *voice)
 {
-    if (voice->message && voice->message_size) voice->message[0] = '\0';
+    voice->message = message;
+    voice->message_size = message_size;
+    if (message && message_size) message[0] = '\0';
+    const int32_t status = mlrt_take_host("options.host", host, &voice->host);
+    return status == MLRT_OK ? mlrt_check_fields(form, "options", 0, options) : status;
 }
 
 static void send(const struct mlrt_voice *voice, int32_t level, const char *line)

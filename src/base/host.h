@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The host: the functions that the program around the library provides, and the messages that a call gives it.
- */
+/* The host: the functions that the program around the library provides, and the messages that a call gives it. */
 #ifndef MLRT_BASE_HOST_H
 #define MLRT_BASE_HOST_H
 
@@ -20,8 +18,12 @@ struct mlrt_voice {
     size_t message_size;
 };
 
-/* Makes the caller's buffer an empty string, for calls that end without a message. */
-void mlrt_begin_message(const struct mlrt_voice *voice);
+/*
+ * Begins a call whose options were copied: its voice has their message and host. The buffer and the host are known
+ * before the fields of the options, which are of this form, are checked, and so can have the message. Returns a status.
+ */
+int32_t mlrt_begin_call(int form, const void *options, char *message, size_t message_size, const mlrt_host *host,
+                        struct mlrt_voice *voice);
 
 /* Sends one line to the log, if the host has one. Lines longer than 255 bytes are cut. */
 MLRT_FORMAT(3, 4) void mlrt_log(const struct mlrt_voice *voice, int32_t level, const char *format, ...);

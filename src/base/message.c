@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The last message of each thread: see message.h.
- */
+/* The last message of each thread: see message.h. */
 #include "base/message.h"
 
 #include <stdarg.h>
@@ -88,7 +86,7 @@ const char *mlrt_meaning_of(int32_t status)
     return text;
 }
 
-int32_t mlrt_fail_plainly(int32_t status)
+int32_t mlrt_note_status(int32_t status)
 {
-    return mlrt_fail(status, "%s", mlrt_meaning_of(status));
+    return status == MLRT_OK ? status : mlrt_fail(status, "%s", mlrt_meaning_of(status));
 }

@@ -52,13 +52,7 @@ const char *mlrt_write_digits(uint64_t number, char digits[MLRT_DIGITS]);
 /* What a status code means: mlrt_status_string. */
 const char *mlrt_meaning_of(int32_t status);
 
-/* Writes what a status means. Returns it. */
-int32_t mlrt_fail_plainly(int32_t status);
-
-/* Does so unless the status is MLRT_OK. */
-static inline int32_t mlrt_note_status(int32_t status)
-{
-    return status == MLRT_OK ? status : mlrt_fail_plainly(status);
-}
+/* Writes what a status means, unless it is MLRT_OK. Returns it. */
+int32_t mlrt_note_status(int32_t status);
 
 #endif

@@ -29,11 +29,7 @@
 #endif
 
 #if defined(__GNUC__)
-#if defined(MLRT_COUNTING) && MLRT_COUNTING /* may be slow: without forced inlining, 40 of their 100 kB are saved */
-#define MLRT_INLINE static inline __attribute__((unused))
-#else
-#define MLRT_INLINE static inline __attribute__((always_inline, unused))
-#endif
+#define MLRT_INLINE              static inline __attribute__((always_inline, unused))
 #define MLRT_NOINLINE            __attribute__((noinline))
 #define MLRT_ALIGNED(bytes)      __attribute__((aligned(bytes)))
 #define MLRT_LIKELY(condition)   __builtin_expect(!!(condition), 1)
@@ -55,8 +51,8 @@
 #define MLRT_THREAD_LOCAL _Thread_local
 #endif
 
-/* Before a short loop that must be unrolled at every optimisation level, except in kernels that count. */
-#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8 && !(defined(MLRT_COUNTING) && MLRT_COUNTING)
+/* Before a short loop that must be unrolled at every optimisation level. */
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8
 #define MLRT_UNROLL _Pragma("GCC unroll 9")
 #else
 #define MLRT_UNROLL
@@ -115,6 +111,14 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 #else
 #define MLRT_HAVE_SSE 0
 #endif
+
+/* 1 in a build whose kernels are plain C on any processor, to test them (make SCALAR=1). */
+#ifndef MLRT_SCALAR
+#define MLRT_SCALAR 0
+#endif
+
+/* Which kernels there are: those of SSE2, AVX2 and AVX-512, or else plain C. */
+#define MLRT_SSE_KERNELS (MLRT_HAVE_SSE && !MLRT_SCALAR)
 
 #if defined(__linux__)
 #define MLRT_HAVE_MADVISE 1

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Progress and cancelling: see progress.h.
- */
+/* Progress and cancelling: see progress.h. */
 #define _POSIX_C_SOURCE 200809L
 #include "base/progress.h"
 

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The options that all calls that trace have in common: pool, counters and host.
- */
+/* The options that all calls that trace have in common: pool, counters and host. */
 #ifndef MLRT_BASE_RUN_OPTIONS_H
 #define MLRT_BASE_RUN_OPTIONS_H
 

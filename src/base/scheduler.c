@@ -72,9 +72,8 @@ static void *run_thread(void *argument)
     uint64_t seen = 0;
     pthread_mutex_lock(&pool->mutex);
     for (;;) {
-        while (!pool->ending && (!pool->batch || pool->batch_number == seen)) {
+        while (!pool->ending && (!pool->batch || pool->batch_number == seen))
             pthread_cond_wait(&pool->batch_begins, &pool->mutex);
-        }
         if (pool->ending) break;
         seen = pool->batch_number;
         ++pool->busy_count;
@@ -119,9 +118,8 @@ static void run_tasks(mlrt_pool *pool, struct batch *batch)
     pthread_mutex_lock(&pool->mutex);
     work_on_batch(pool, batch, 0);
     pthread_mutex_unlock(&pool->mutex);
-    for (uint32_t i = 0; i < task_count; ++i) {
+    for (uint32_t i = 0; i < task_count; ++i)
         if (tasks[i]) pool->finish(pool->user, tasks[i]);
-    }
 }
 
 int32_t mlrt_run_items(mlrt_pool *pool, uint32_t item_count, mlrt_work_function *function, void *work)

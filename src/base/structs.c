@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The caller's structs: see structs.h. Each begins with its size, a uint32_t.
- */
+/* The caller's structs: see structs.h. Each begins with its size, a uint32_t. */
 #include "base/structs.h"
 
 #include <stdio.h>
@@ -30,9 +28,8 @@ static MLRT_NOINLINE int32_t fail_size(const struct mlrt_form *form, const char 
 /* Returns the status of a size. */
 static int32_t check_size(const struct mlrt_form *form, const char *path, size_t index, size_t size)
 {
-    if (MLRT_LIKELY(size >= form->first_size && size <= (size_t)form->own_size + GROWTH_LIMIT && size % 4 == 0)) {
+    if (MLRT_LIKELY(size >= form->first_size && size <= (size_t)form->own_size + GROWTH_LIMIT && size % 4 == 0))
         return MLRT_OK;
-    }
     return fail_size(form, path, index, size);
 }
 
@@ -65,9 +62,13 @@ static MLRT_NOINLINE int32_t convert(const struct mlrt_form *form, const char *p
     return MLRT_OK;
 }
 
-MLRT_INLINE int32_t copy_struct(const struct mlrt_form *form, const char *path, size_t index, const void *given,
-                                void *own)
+int32_t mlrt_copy_struct(int number, const char *path, size_t index, const void *given, void *own)
 {
+    const struct mlrt_form *form = &mlrt_forms[number];
+    if (!given) {
+        memset(own, 0, form->own_size);
+        return MLRT_OK;
+    }
     const size_t size = size_of(given);
     const int32_t status = check_size(form, path, index, size);
     if (MLRT_UNLIKELY(status != MLRT_OK)) return status;
@@ -76,19 +77,10 @@ MLRT_INLINE int32_t copy_struct(const struct mlrt_form *form, const char *path, 
     return MLRT_OK;
 }
 
-int32_t mlrt_copy_struct(int number, const char *path, size_t index, const void *given, void *own)
-{
-    const struct mlrt_form *form = &mlrt_forms[number];
-    if (given) return copy_struct(form, path, index, given, own);
-    memset(own, 0, form->own_size);
-    return MLRT_OK;
-}
-
 int32_t mlrt_take_struct(int number, const char *path, size_t index, const void *given, void *own)
 {
-    if (!given) return mlrt_copy_struct(number, path, index, given, own);
-    const int32_t status = copy_struct(&mlrt_forms[number], path, index, given, own);
-    return status == MLRT_OK ? mlrt_check_fields(number, path, index, own) : status;
+    const int32_t status = mlrt_copy_struct(number, path, index, given, own);
+    return status == MLRT_OK && given ? mlrt_check_fields(number, path, index, own) : status;
 }
 
 const void *mlrt_see_struct(int number, const char *path, const void *given, void *own, int32_t *status)
@@ -134,9 +126,8 @@ static const uint32_t *find_wrong_float(const struct mlrt_field *field, const ui
 {
     const int is_cost = field->kind == MLRT_FIELD_COST;
     const uint32_t most = is_cost ? MILLION_BITS : INFINITY_BITS - (field->kind == MLRT_FIELD_FINITE);
-    for (uint32_t i = 0; i < field->most; ++i) {
+    for (uint32_t i = 0; i < field->most; ++i)
         if ((bits[i] & ~SIGN_BIT) > most || (is_cost && bits[i] > SIGN_BIT)) return &bits[i];
-    }
     return NULL;
 }
 
@@ -147,15 +138,12 @@ static const uint32_t *find_wrong_float(const struct mlrt_field *field, const ui
 static const struct mlrt_field *find_wrong_field(const struct mlrt_field *field, const struct mlrt_field *end,
                                                  int has_rows, const void *own)
 {
-    for (; field < end && field->kind <= MLRT_FIELD_COUNT; ++field) {
+    for (; field < end && field->kind <= MLRT_FIELD_COUNT; ++field)
         if (*(const uint32_t *)place_of(field, own) > field->most) return field;
-    }
-    for (; field < end && field->kind == MLRT_FIELD_SIZE; ++field) {
+    for (; field < end && field->kind == MLRT_FIELD_SIZE; ++field)
         if (*(const size_t *)place_of(field, own) > INT32_MAX) return field;
-    }
-    for (; field < end && field->kind <= MLRT_FIELD_NUMBER; ++field) {
+    for (; field < end && field->kind <= MLRT_FIELD_NUMBER; ++field)
         if (find_wrong_float(field, place_of(field, own))) return field;
-    }
     for (; field < end && field->kind == MLRT_FIELD_INPUT; ++field) {
         const mlrt_const_array *array = place_of(field, own);
         if (!array->data) continue;

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Boxes of four floats per corner, and how the builder of the hierarchy grows them.
- */
+/* Boxes of four floats per corner, and how the builder of the hierarchy grows them. */
 #ifndef MLRT_BVH_BOX_H
 #define MLRT_BVH_BOX_H
 

@@ -33,6 +33,7 @@
 #include "base/progress.h"
 #include "base/scheduler.h"
 #include "base/tuning.h"
+#include "bvh/box.h"
 #include "bvh/check.h"
 #include "bvh/collapse.h"
 #include "bvh/places.h"
@@ -129,14 +130,13 @@ struct portion {
 struct task {
     struct portion *portion;
     struct mlrt_forest_costs costs;
-    uint32_t slots; /* of the node above, that it may take */
-    uint32_t depth; /* of that node */
-    struct mlrt_bvh_size size;
-    struct mlrt_bvh_cursor cursor;
+    uint32_t slots;              /* of the node above, that it may take */
+    struct mlrt_bvh_cursor from; /* where it is written */
+    struct mlrt_bvh_size size;   /* 0 until it is measured */
 };
 
-/* The bins that one worker fills, where all workers bin one set. */
-struct share {
+/* What the references of a set, or those of it that one worker takes, are sorted into to find a split. */
+union filling {
     struct mlrt_bvh_bins bins;
     struct mlrt_spatial_bins slabs;
 };
@@ -159,8 +159,10 @@ struct build {
     struct portion *portions; /* the root, and the sides of all sets that are too large for tasks */
     struct portion **level;   /* those of one depth that are too large */
     struct task *tasks;
-    struct share *shares;
+    union filling *shares; /* of each worker; NULL = there is only one */
     struct chunk *chunks;
+    void *work; /* the memory of these arrays, but for `references` */
+    uint64_t work_size;
     uint32_t capacity; /* length of `references` */
     uint32_t reference_count;
     uint32_t leaf_limit;
@@ -174,14 +176,37 @@ struct build {
     uint32_t depth_limit;
     double scene_area;                    /* area of the core of the scene; a few boxes may be larger */
     const struct portion *shared_portion; /* the portion whose bins all workers fill; NULL = none */
+    int shares_slabs;                     /* or its slabs */
     struct mlrt_progress *progress;
     double cut_work; /* work per reference of a set that is cut */
 };
 
+/* A step of the build for the workers of the pool. `run` is called in the library's floating-point environment. */
+struct step {
+    struct build *build;
+    double (*run)(struct build *build, uint32_t item, uint32_t worker); /* returns work that progress has not counted */
+};
+
+static int32_t run_item(void *work, uint32_t item, uint32_t worker)
+{
+    const struct step *step = work;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    const double done = step->run(step->build, item, worker);
+    mlrt_leave_fp_environment(environment);
+    return mlrt_advance(step->build->progress, done);
+}
+
+/* Returns a status. */
+static int32_t run_step(struct build *build, uint32_t count, double (*run)(struct build *, uint32_t, uint32_t))
+{
+    struct step step = {build, run};
+    return mlrt_run_items(build->pool, count, run_item, &step) ? MLRT_ERROR_CANCELLED : MLRT_OK;
+}
+
 /* The area of a box relative to the scene's, at most 1. */
 static float relative_area(const struct build *build, const struct mlrt_quad_box *box)
 {
-    const double area = mlrt_quad_box_area(box);
+    const double area = area_of(box);
     return area < build->scene_area ? (float)(area / build->scene_area) : 1;
 }
 
@@ -219,14 +244,13 @@ static void set_reference(struct mlrt_quad_box *reference, const struct mlrt_tri
 }
 
 /* Makes a reference for each triangle of a chunk that is not left out, from the place of the chunk's first triangle. */
-static MLRT_NOINLINE void make_chunk_references(struct build *build, uint32_t number)
+static double make_chunk_references(struct build *build, uint32_t number, uint32_t worker)
 {
     struct chunk *chunk = &build->chunks[number];
     uint32_t first = number * CHUNK_SIZE, left = build->tree->triangle_count - first;
     uint32_t last = first + (left < CHUNK_SIZE ? left : CHUNK_SIZE);
-    const struct mlrt_box no_bounds = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    memset(chunk, 0, sizeof *chunk);
-    chunk->bounds = no_bounds;
+    (void)worker;
+    *chunk = (struct chunk){.bounds = MLRT_NO_BOX};
     for (uint32_t i = first; i < last; i++) {
         const struct mlrt_triangle *triangle = &build->tree->triangles[i];
         if (!mlrt_triangle_is_finite(triangle))
@@ -247,41 +271,24 @@ static MLRT_NOINLINE void make_chunk_references(struct build *build, uint32_t nu
         }
         if (build->tree->bvh.unit != 1 || is_far) scale_reference(build->tree->bvh.unit, reference);
     }
-}
-
-static int32_t run_chunk(void *work, uint32_t item, uint32_t worker)
-{
-    struct build *build = work;
-    (void)worker;
-    const uint64_t environment = mlrt_enter_fp_environment();
-    make_chunk_references(build, item);
-    mlrt_leave_fp_environment(environment);
-    return mlrt_advance(build->progress, CHUNK_SIZE * FIRST_WORK);
-}
-
-static void extend_bounds(const struct mlrt_box *bounds, struct mlrt_box *all)
-{
-    for (int k = 0; k < 3; k++) {
-        if (bounds->lo[k] < all->lo[k]) all->lo[k] = bounds->lo[k];
-        if (bounds->hi[k] > all->hi[k]) all->hi[k] = bounds->hi[k];
-    }
+    return CHUNK_SIZE * FIRST_WORK;
 }
 
 /* Makes the references of all triangles, without gaps, and sets the bounds and the counts of triangles left out. */
 static int32_t make_references(struct build *build)
 {
-    struct mlrt_box bounds = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    struct mlrt_box bounds = MLRT_NO_BOX;
     mlrt_tree_info *info = &build->tree->info;
     info->non_finite_count = info->zero_area_count = 0;
     build->reference_count = 0;
-    if (mlrt_run_items(build->pool, build->chunk_count, run_chunk, build)) return MLRT_ERROR_CANCELLED;
+    if (run_step(build, build->chunk_count, make_chunk_references) != MLRT_OK) return MLRT_ERROR_CANCELLED;
     for (uint32_t i = 0; i < build->chunk_count; i++) {
         const struct chunk *chunk = &build->chunks[i];
         if (build->reference_count != i * CHUNK_SIZE)
             memmove(&build->references[build->reference_count], &build->references[i * CHUNK_SIZE],
                     chunk->count * sizeof *build->references);
         build->reference_count += chunk->count;
-        extend_bounds(&chunk->bounds, &bounds);
+        mlrt_extend_box(chunk->bounds.lo, chunk->bounds.hi, &bounds);
         info->non_finite_count += chunk->non_finite_count;
         info->zero_area_count += chunk->zero_area_count;
     }
@@ -352,36 +359,6 @@ struct choice {
     struct mlrt_spatial_split plane;
 };
 
-/* How many references chunk number `chunk` of the portion has. */
-static uint32_t count_in_chunk(const struct portion *portion, uint32_t chunk)
-{
-    uint32_t left = portion->set.count - chunk * CHUNK_SIZE;
-    return left < CHUNK_SIZE ? left : CHUNK_SIZE;
-}
-
-static int32_t fill_bins_item(void *work, uint32_t item, uint32_t worker)
-{
-    struct build *build = work;
-    const struct portion *portion = build->shared_portion;
-    const uint64_t environment = mlrt_enter_fp_environment();
-    mlrt_fill_bins(build->references, portion->set.first + item * CHUNK_SIZE, count_in_chunk(portion, item),
-                   &portion->set.centres, &build->shares[worker].bins);
-    mlrt_leave_fp_environment(environment);
-    return mlrt_is_cancelled(build->progress);
-}
-
-static int32_t fill_slabs_item(void *work, uint32_t item, uint32_t worker)
-{
-    struct build *build = work;
-    const struct portion *portion = build->shared_portion;
-    const uint64_t environment = mlrt_enter_fp_environment();
-    mlrt_fill_spatial_bins(build->tree->triangles, build->tree->bvh.unit, build->references,
-                           portion->set.first + item * CHUNK_SIZE, count_in_chunk(portion, item), &portion->set.box,
-                           &build->shares[worker].slabs);
-    mlrt_leave_fp_environment(environment);
-    return mlrt_is_cancelled(build->progress);
-}
-
 static uint32_t chunks_of(uint32_t count)
 {
     return count / CHUNK_SIZE + (count % CHUNK_SIZE != 0);
@@ -393,36 +370,52 @@ static int is_chunk_due(const struct build *build, uint32_t count, uint32_t chun
     return chunk < chunks_of(count) && (chunk == 0 || !mlrt_is_cancelled(build->progress));
 }
 
-static void fill_bins(struct build *build, const struct portion *portion, struct mlrt_bvh_bins *bins)
+static void clear(uint32_t count, int has_slabs, union filling *filling)
 {
-    const struct mlrt_bvh_set *set = &portion->set;
-    mlrt_clear_bins(set->count, bins);
-    if (build->shared_portion != portion) {
-        for (uint32_t i = 0; is_chunk_due(build, set->count, i); i++)
-            mlrt_fill_bins(build->references, set->first + i * CHUNK_SIZE, count_in_chunk(portion, i), &set->centres,
-                           bins);
-        return;
-    }
-    uint32_t worker_count = mlrt_worker_count(build->pool);
-    for (uint32_t i = 0; i < worker_count; i++) mlrt_clear_bins(set->count, &build->shares[i].bins);
-    mlrt_run_items(build->pool, chunks_of(set->count), fill_bins_item, build);
-    for (uint32_t i = 0; i < worker_count; i++) mlrt_merge_bins(&build->shares[i].bins, bins);
+    if (has_slabs)
+        mlrt_clear_spatial_bins(&filling->slabs);
+    else
+        mlrt_clear_bins(count, &filling->bins);
 }
 
-static void fill_slabs(struct build *build, const struct portion *portion, struct mlrt_spatial_bins *slabs)
+/* Adds a chunk of a portion's references. */
+static void fill_chunk(const struct build *build, const struct portion *portion, uint32_t chunk, int has_slabs,
+                       union filling *filling)
 {
     const struct mlrt_bvh_set *set = &portion->set;
-    mlrt_clear_spatial_bins(slabs);
+    const uint32_t begin = chunk * CHUNK_SIZE, left = set->count - begin, count = left < CHUNK_SIZE ? left : CHUNK_SIZE;
+    if (has_slabs)
+        mlrt_fill_spatial_bins(build->tree->triangles, build->tree->bvh.unit, build->references, set->first + begin,
+                               count, &set->box, &filling->slabs);
+    else
+        mlrt_fill_bins(build->references, set->first + begin, count, &set->centres, &filling->bins);
+}
+
+static double fill_share(struct build *build, uint32_t chunk, uint32_t worker)
+{
+    fill_chunk(build, build->shared_portion, chunk, build->shares_slabs, &build->shares[worker]);
+    return 0;
+}
+
+/* Fills bins, or slabs, with the references of a portion. */
+static void fill(struct build *build, const struct portion *portion, int has_slabs, union filling *all)
+{
+    const uint32_t count = portion->set.count;
+    clear(count, has_slabs, all);
     if (build->shared_portion != portion) {
-        for (uint32_t i = 0; is_chunk_due(build, set->count, i); i++)
-            mlrt_fill_spatial_bins(build->tree->triangles, build->tree->bvh.unit, build->references,
-                                   set->first + i * CHUNK_SIZE, count_in_chunk(portion, i), &set->box, slabs);
+        for (uint32_t i = 0; is_chunk_due(build, count, i); i++) fill_chunk(build, portion, i, has_slabs, all);
         return;
     }
-    uint32_t worker_count = mlrt_worker_count(build->pool);
-    for (uint32_t i = 0; i < worker_count; i++) mlrt_clear_spatial_bins(&build->shares[i].slabs);
-    mlrt_run_items(build->pool, chunks_of(set->count), fill_slabs_item, build);
-    for (uint32_t i = 0; i < worker_count; i++) mlrt_merge_spatial_bins(&build->shares[i].slabs, slabs);
+    const uint32_t worker_count = mlrt_worker_count(build->pool);
+    for (uint32_t i = 0; i < worker_count; i++) clear(count, has_slabs, &build->shares[i]);
+    build->shares_slabs = has_slabs;
+    run_step(build, chunks_of(count), fill_share);
+    for (uint32_t i = 0; i < worker_count; i++) {
+        if (has_slabs)
+            mlrt_merge_spatial_bins(&build->shares[i].slabs, &all->slabs);
+        else
+            mlrt_merge_bins(&build->shares[i].bins, &all->bins);
+    }
 }
 
 /* Sets *split to the cheapest split by centres within the portion's limits. */
@@ -431,9 +424,9 @@ static MLRT_NOINLINE void find_split(struct build *build, const struct portion *
     if (portion->set.count <= MLRT_SWEEP_LIMIT) {
         mlrt_sweep_set(&build->costs, build->references, &portion->set, split);
     } else {
-        struct mlrt_bvh_bins bins;
-        fill_bins(build, portion, &bins);
-        mlrt_choose_split(&build->costs, &bins, &portion->set.box, split);
+        union filling all;
+        fill(build, portion, 0, &all);
+        mlrt_choose_split(&build->costs, &all.bins, &portion->set.box, split);
     }
     uint32_t lower = split->lower_count;
     if (split->cost < HUGE_VAL && !may_split(build, portion, lower, portion->set.count - lower)) split->cost = HUGE_VAL;
@@ -443,9 +436,9 @@ static MLRT_NOINLINE void find_split(struct build *build, const struct portion *
 static MLRT_NOINLINE void find_plane(struct build *build, const struct portion *portion,
                                      struct mlrt_spatial_split *plane)
 {
-    struct mlrt_spatial_bins slabs;
-    fill_slabs(build, portion, &slabs);
-    mlrt_choose_spatial_split(&build->costs, &slabs, portion->set.count, portion->spare, plane);
+    union filling all;
+    fill(build, portion, 1, &all);
+    mlrt_choose_spatial_split(&build->costs, &all.slabs, portion->set.count, portion->spare, plane);
     if (plane->cost < HUGE_VAL && !may_split(build, portion, plane->count[0], plane->count[1])) plane->cost = HUGE_VAL;
 }
 
@@ -459,7 +452,7 @@ static int overlaps(const struct build *build, const struct mlrt_bvh_split *spli
         common.hi[k] = a->hi[k] < b->hi[k] ? a->hi[k] : b->hi[k];
         if (common.lo[k] > common.hi[k]) return 0;
     }
-    return mlrt_quad_box_area(&common) > build->preset->overlap_limit * build->scene_area;
+    return area_of(&common) > build->preset->overlap_limit * build->scene_area;
 }
 
 /* 1 if the box's coordinates are small enough for the float arithmetic of spatial_split.c. */
@@ -489,7 +482,7 @@ static void choose(struct build *build, struct portion *portion, struct choice *
 static int split_pays(const struct build *build, const struct mlrt_bvh_set *set, const struct mlrt_bvh_split *split)
 {
     const struct mlrt_bvh_costs *costs = &build->costs;
-    double area = mlrt_quad_box_area(&set->box);
+    double area = area_of(&set->box);
     return split->cost + area * (costs->node / MLRT_BVH_WIDTH) < area * mlrt_bvh_leaf_cost(costs, set->count);
 }
 
@@ -583,26 +576,20 @@ static void build_subtree(struct build *build, struct portion *portion, struct m
     mlrt_choose_cut(&build->costs, area, side_costs, node, costs);
 }
 
-static int32_t build_task(void *work, uint32_t item, uint32_t worker)
+static double build_task(struct build *build, uint32_t item, uint32_t worker)
 {
-    struct build *build = work;
     (void)worker;
-    const uint64_t environment = mlrt_enter_fp_environment();
     build_subtree(build, build->tasks[item].portion, &build->tasks[item].costs);
-    mlrt_leave_fp_environment(environment);
-    return mlrt_is_cancelled(build->progress);
+    return 0;
 }
 
-static int32_t cut_item(void *work, uint32_t item, uint32_t worker)
+static double cut_item(struct build *build, uint32_t item, uint32_t worker)
 {
-    struct build *build = work;
     struct portion *portion = build->level[item];
     (void)worker;
     if (build->shared_portion == NULL && portion->set.count >= build->shared_size) return 0;
-    const uint64_t environment = mlrt_enter_fp_environment();
     (void)cut(build, portion, start_node(build, portion), &build->portions[build->portion_count + 2 * item]);
-    mlrt_leave_fp_environment(environment);
-    return mlrt_is_cancelled(build->progress);
+    return 0;
 }
 
 /*
@@ -620,7 +607,7 @@ static void cut_level(struct build *build, uint32_t count)
         if (build->level[i]->set.count >= build->shared_size) cut_item(build, i, 0);
     }
     build->shared_portion = NULL;
-    mlrt_run_items(build->pool, count, cut_item, build);
+    run_step(build, count, cut_item);
     build->portion_count += 2 * count;
 }
 
@@ -628,6 +615,7 @@ static void cut_level(struct build *build, uint32_t count)
 static void add_task(struct build *build, struct portion *portion)
 {
     uint32_t i = build->task_count++;
+    build->tasks[i] = (struct task){.portion = NULL};
     for (; i > 0 && build->tasks[i - 1].portion->node > portion->node; i--)
         build->tasks[i].portion = build->tasks[i - 1].portion;
     build->tasks[i].portion = portion;
@@ -675,85 +663,63 @@ static void choose_upper(const struct build *build, uint32_t number, uint32_t *n
 
 /* ---- nodes of sixteen ---------------------------------------------------------------------------------------- */
 
-/* Adds the nodes of sixteen above the tasks to *size, and sets slots and depth of each task. */
-static void measure_upper(struct build *build, uint32_t number, uint32_t slots, uint32_t depth, uint32_t *next_task,
-                          struct mlrt_bvh_size *size)
-{
-    if (is_next_task(build, number, *next_task)) {
-        struct task *task = &build->tasks[(*next_task)++];
-        task->slots = slots;
-        task->depth = depth;
-        return;
-    }
-    const struct mlrt_binary_node *node = &build->binary.nodes[number];
-    struct mlrt_cut cut = mlrt_cut_of(node, slots);
-    if (cut.kind == MLRT_CUT_NODE) {
-        size->node_count++;
-        depth++;
-    }
-    measure_upper(build, number + 1, cut.slots[0], depth, next_task, size);
-    measure_upper(build, node->upper, cut.slots[1], depth, next_task, size);
-}
-
-static int32_t measure_task(void *work, uint32_t item, uint32_t worker)
-{
-    static const struct mlrt_bvh_size NOTHING;
-    struct build *build = work;
-    struct task *task = &build->tasks[item];
-    (void)worker;
-    task->size = NOTHING;
-    mlrt_measure_forest(&build->binary, task->portion->node, task->slots, task->depth, &task->size);
-    return mlrt_is_cancelled(build->progress);
-}
-
-static struct mlrt_bvh_size measure_all(struct build *build)
-{
-    struct mlrt_bvh_size size = {0, 0, 0, 0};
-    uint32_t next_task = 0;
-    measure_upper(build, 0, 1, 0, &next_task, &size);
-    mlrt_run_items(build->pool, build->task_count, measure_task, build);
-    for (uint32_t i = 0; i < build->task_count; i++) {
-        const struct mlrt_bvh_size *part = &build->tasks[i].size;
-        size.node_count += part->node_count;
-        size.quad_count += part->quad_count;
-        size.depth = part->depth > size.depth ? part->depth : size.depth;
-    }
-    if (build->binary.nodes[0].choice[1] == 0) size.node_count = size.depth = 1;
-    return size;
-}
-
-/* Writes the nodes of sixteen above the tasks, and sets the cursor of each task. */
+/*
+ * Writes the nodes of sixteen above the tasks, or only moves the cursor (collapse.h). Sets where each task is written,
+ * and moves the cursor by the size of the task.
+ */
 static void write_upper(struct build *build, uint32_t number, uint32_t slots, uint32_t *next_task,
                         struct mlrt_bvh_cursor *cursor)
 {
     if (is_next_task(build, number, *next_task)) {
         struct task *task = &build->tasks[(*next_task)++];
-        task->cursor = *cursor;
-        cursor->node += (uint32_t)task->size.node_count;
-        cursor->quad += (uint32_t)task->size.quad_count;
-        cursor->slot += task->size.slot_count;
+        task->slots = slots;
+        task->from = *cursor;
+        mlrt_add_size(&task->size, &cursor->size);
         return;
     }
     const struct mlrt_binary_node *node = &build->binary.nodes[number];
-    struct mlrt_cut cut = mlrt_cut_of(node, slots);
-    struct mlrt_bvh_cursor below, *inner = cursor;
-    if (cut.kind == MLRT_CUT_NODE) {
-        below = mlrt_start_node(node, build->tree, cursor);
-        inner = &below;
-    }
-    write_upper(build, number + 1, cut.slots[0], next_task, inner);
-    write_upper(build, node->upper, cut.slots[1], next_task, inner);
-    cursor->node = inner->node;
-    cursor->quad = inner->quad;
+    const struct mlrt_cut cut = mlrt_cut_of(node, slots);
+    const struct mlrt_bvh_cursor above = *cursor;
+    if (cut.kind == MLRT_CUT_NODE) mlrt_enter_node(node, build->tree, cursor);
+    write_upper(build, number + 1, cut.slots[0], next_task, cursor);
+    write_upper(build, node->upper, cut.slots[1], next_task, cursor);
+    if (cut.kind == MLRT_CUT_NODE) mlrt_leave_node(&above, cursor);
 }
 
-static int32_t write_task(void *work, uint32_t item, uint32_t worker)
+/* The upper nodes begin at `cursor`. Returns it behind them. */
+static struct mlrt_bvh_cursor write_upper_from(struct build *build, struct mlrt_bvh_cursor cursor)
 {
-    struct build *build = work;
+    uint32_t next_task = 0;
+    write_upper(build, 0, 1, &next_task, &cursor);
+    return cursor;
+}
+
+static double measure_task(struct build *build, uint32_t item, uint32_t worker)
+{
+    struct task *task = &build->tasks[item];
+    struct mlrt_bvh_cursor cursor = {.size = {.depth = task->from.depth}, .depth = task->from.depth};
+    (void)worker;
+    mlrt_write_forest(&build->binary, task->portion->node, task->slots, build->tree, build->progress, &cursor);
+    task->size = cursor.size;
+    return 0;
+}
+
+static struct mlrt_bvh_size measure_all(struct build *build)
+{
+    const struct mlrt_bvh_cursor start = {.depth = 0};
+    struct mlrt_bvh_size size = write_upper_from(build, start).size;
+    run_step(build, build->task_count, measure_task);
+    for (uint32_t i = 0; i < build->task_count; i++) mlrt_add_size(&build->tasks[i].size, &size);
+    if (build->binary.nodes[0].choice[1] == 0) size.node_count = size.depth = 1;
+    return size;
+}
+
+static double write_task(struct build *build, uint32_t item, uint32_t worker)
+{
     struct task *task = &build->tasks[item];
     (void)worker;
-    mlrt_write_forest(&build->binary, task->portion->node, task->slots, build->tree, build->progress, &task->cursor);
-    return mlrt_advance(build->progress, LAST_WORK * task->portion->set.count);
+    mlrt_write_forest(&build->binary, task->portion->node, task->slots, build->tree, build->progress, &task->from);
+    return LAST_WORK * task->portion->set.count;
 }
 
 /*
@@ -763,64 +729,54 @@ static int32_t write_task(void *work, uint32_t item, uint32_t worker)
 static int32_t write_all(struct build *build)
 {
     struct mlrt_bvh_node above;
-    uint32_t next_task = 0;
-    int is_leaf = build->binary.nodes[0].choice[1] == 0;
-    struct mlrt_bvh_cursor cursor = {is_leaf ? 1 : 0, 0, 0, is_leaf ? build->tree->bvh.nodes : &above};
-    mlrt_clear_node(cursor.parent);
-    write_upper(build, 0, 1, &next_task, &cursor);
-    return mlrt_run_items(build->pool, build->task_count, write_task, build) ? MLRT_ERROR_CANCELLED : MLRT_OK;
+    const int is_leaf = build->binary.nodes[0].choice[1] == 0;
+    const struct mlrt_bvh_cursor start = {.size = {.node_count = (uint32_t)is_leaf},
+                                          .parent = is_leaf ? build->tree->bvh.nodes : &above};
+    mlrt_clear_node(start.parent);
+    write_upper_from(build, start);
+    return run_step(build, build->task_count, write_task);
 }
 
 /* ---- memory -------------------------------------------------------------------------------------------------- */
 
-static void release(const struct build *build, void *block, size_t count, size_t size)
+/* Takes `count` elements off the memory that begins at `memory`: they follow the first *end bytes of it. */
+static void *take(unsigned char *memory, size_t count, size_t size, uint64_t *end)
 {
-    mlrt_free(&build->tree->memory, block, count, size);
+    void *taken = memory ? memory + *end : NULL;
+    *end += ((uint64_t)count * size + 63) / 64 * 64;
+    return taken;
 }
 
-static size_t share_count(const struct build *build)
+/* Lays out all arrays of a build but its references. Returns their size. With NULL, sets no array. */
+static uint64_t lay_out_work(struct build *build, unsigned char *memory)
 {
-    uint32_t worker_count = mlrt_worker_count(build->pool);
-    return worker_count > 1 ? worker_count : 0;
-}
-
-static size_t node_capacity(const struct build *build)
-{
-    return 2 * (size_t)build->leaf_limit - 1;
+    const uint32_t worker_count = mlrt_worker_count(build->pool);
+    uint64_t size = 0;
+    build->chunks = take(memory, build->chunk_count, sizeof *build->chunks, &size);
+    build->binary.nodes = take(memory, 2 * (size_t)build->leaf_limit - 1, sizeof *build->binary.nodes, &size);
+    build->binary.triangles = take(memory, build->capacity, sizeof *build->binary.triangles, &size);
+    build->tasks = take(memory, build->task_capacity, sizeof *build->tasks, &size);
+    build->level = take(memory, build->level_capacity, sizeof *build->level, &size);
+    build->portions = take(memory, 2 * (size_t)build->task_capacity, sizeof *build->portions, &size);
+    build->shares = worker_count > 1 ? take(memory, worker_count, sizeof *build->shares, &size) : NULL;
+    return size;
 }
 
 static int allocate_work(struct build *build)
 {
     struct mlrt_memory *memory = &build->tree->memory;
-    build->chunks = mlrt_allocate(memory, build->chunk_count, sizeof *build->chunks);
+    build->work_size = lay_out_work(build, NULL);
+    if (build->work_size > SIZE_MAX) return 0;
     build->references = mlrt_allocate(memory, build->capacity, sizeof *build->references);
-    build->binary.nodes = mlrt_allocate(memory, node_capacity(build), sizeof *build->binary.nodes);
-    build->binary.triangles = mlrt_allocate(memory, build->capacity, sizeof *build->binary.triangles);
-    build->tasks = mlrt_allocate(memory, build->task_capacity, sizeof *build->tasks);
-    build->level = mlrt_allocate(memory, build->level_capacity, sizeof *build->level);
-    build->portions = mlrt_allocate(memory, 2 * (size_t)build->task_capacity, sizeof *build->portions);
-    if (share_count(build) > 0) build->shares = mlrt_allocate(memory, share_count(build), sizeof *build->shares);
-    return build->chunks != NULL && build->references != NULL && build->binary.nodes != NULL &&
-           build->binary.triangles != NULL && build->tasks != NULL && build->level != NULL && build->portions != NULL &&
-           (share_count(build) == 0 || build->shares != NULL);
+    build->work = build->references ? mlrt_allocate(memory, (size_t)build->work_size, 1) : NULL;
+    if (build->work) lay_out_work(build, build->work);
+    return build->work != NULL;
 }
 
 static void release_references(struct build *build)
 {
-    release(build, build->references, build->capacity, sizeof *build->references);
+    mlrt_free(&build->tree->memory, build->references, build->capacity, sizeof *build->references);
     build->references = NULL;
-}
-
-static void release_work(struct build *build)
-{
-    release_references(build);
-    release(build, build->chunks, build->chunk_count, sizeof *build->chunks);
-    release(build, build->binary.nodes, node_capacity(build), sizeof *build->binary.nodes);
-    release(build, build->binary.triangles, build->capacity, sizeof *build->binary.triangles);
-    release(build, build->tasks, build->task_capacity, sizeof *build->tasks);
-    release(build, build->level, build->level_capacity, sizeof *build->level);
-    release(build, build->portions, 2 * (size_t)build->task_capacity, sizeof *build->portions);
-    release(build, build->shares, share_count(build), sizeof *build->shares);
 }
 
 void mlrt_free_bvh(struct mlrt_tree *tree)
@@ -871,7 +827,7 @@ static void measure_scene(struct build *build, const struct mlrt_quad_box *box)
         if (core->lo[k] > part.lo[k]) part.lo[k] = core->lo[k];
         if (core->hi[k] < part.hi[k]) part.hi[k] = core->hi[k];
     }
-    build->scene_area = mlrt_quad_box_area(&part);
+    build->scene_area = area_of(&part);
 }
 
 /* Builds the binary hierarchy, and sets *size to that of the result. Returns a status. */
@@ -888,7 +844,7 @@ static int32_t build_binary(struct build *build, uint32_t depth_limit, struct ml
     build->task_count = 0;
     build->depth_limit = depth_limit;
     find_tasks(build);
-    if (!mlrt_is_cancelled(build->progress)) mlrt_run_items(build->pool, build->task_count, build_task, build);
+    if (!mlrt_is_cancelled(build->progress)) run_step(build, build->task_count, build_task);
     if (mlrt_is_cancelled(build->progress)) return MLRT_ERROR_CANCELLED;
     choose_upper(build, 0, &next_task, &costs);
     *size = measure_all(build);
@@ -898,7 +854,7 @@ static int32_t build_binary(struct build *build, uint32_t depth_limit, struct ml
 static int32_t build_hierarchy(struct build *build)
 {
     struct mlrt_tree *tree = build->tree;
-    struct mlrt_bvh_size size = {0, 0, 0, 0};
+    struct mlrt_bvh_size size = {.depth = 0};
     if (!allocate_work(build)) return MLRT_ERROR_OUT_OF_MEMORY;
     memset(&tree->bounds, 0, sizeof tree->bounds);
     mlrt_set_bvh_unit(tree);
@@ -946,7 +902,8 @@ int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options,
     build.progress = progress;
     set_limits(options, tree->triangle_count, &build);
     int32_t status = build_hierarchy(&build);
-    release_work(&build);
+    release_references(&build);
+    mlrt_free(&tree->memory, build.work, (size_t)build.work_size, 1);
     if (status == MLRT_OK) {
         mlrt_measure_bvh(tree, &build.costs, progress);
         if (mlrt_is_cancelled(progress)) status = MLRT_ERROR_CANCELLED;
@@ -968,15 +925,11 @@ struct mlrt_demand mlrt_foresee_bvh(const void *tree_options, uint32_t triangle_
     const mlrt_tree_options *options = tree_options;
     struct build build = NOTHING_BUILT;
     set_limits(options, triangle_count, &build);
+    build.pool = options->pool;
     const uint64_t references = (uint64_t)build.capacity * sizeof *build.references;
-    const uint64_t binary = (uint64_t)build.capacity * sizeof *build.binary.triangles +
-                            node_capacity(&build) * (uint64_t)sizeof *build.binary.nodes +
-                            build.task_capacity * (uint64_t)(sizeof *build.tasks + 2 * sizeof *build.portions) +
-                            build.level_capacity * (uint64_t)sizeof *build.level +
-                            build.chunk_count * (uint64_t)sizeof *build.chunks +
-                            (options->pool ? mlrt_worker_count(options->pool) * (uint64_t)sizeof *build.shares : 0);
+    const uint64_t work = lay_out_work(&build, NULL);
     const uint64_t result = (uint64_t)(RESULT_SIZES[options->preset] * triangle_count) + sizeof(struct mlrt_bvh_node) +
                             2 * 52 * sizeof(float);
     const uint64_t triangles = (uint64_t)triangle_count * sizeof(struct mlrt_triangle);
-    return (struct mlrt_demand){result, triangles + binary + (references > result ? references : result)};
+    return (struct mlrt_demand){result, triangles + work + (references > result ? references : result)};
 }

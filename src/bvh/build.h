@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Builds the hierarchy of boxes over triangles that are already in a tree.
- */
+/* Builds the hierarchy of boxes over triangles that are already in a tree. */
 #ifndef MLRT_BVH_BUILD_H
 #define MLRT_BVH_BUILD_H
 

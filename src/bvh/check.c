@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "base/progress.h"
+#include "bvh/box.h"
 #include "bvh/node.h"
 #include "bvh/split.h"
 #include "bvh/unit.h"
@@ -63,28 +64,22 @@ static uint32_t leaf_count(const struct mlrt_bvh *bvh, uint32_t child)
     return count;
 }
 
+/* Half the surface area of a box in units. A bound beyond MLRT_BVH_FAR counts as 2 * MLRT_BVH_FAR. */
 static double half_area(const float lo[3], const float hi[3])
 {
-    double x = (double)hi[0] - lo[0], y = (double)hi[1] - lo[1], z = (double)hi[2] - lo[2];
-    return x * y + y * z + z * x;
-}
-
-/* Half the surface area of a box in units. A bound beyond MLRT_BVH_FAR counts as 2 * MLRT_BVH_FAR. */
-static double half_area_of_box(const float lo[3], const float hi[3])
-{
-    float finite_lo[3], finite_hi[3];
+    struct mlrt_quad_box box;
     for (int k = 0; k < 3; k++) {
-        finite_lo[k] = lo[k] < -MLRT_BVH_FAR ? -2 * MLRT_BVH_FAR : lo[k];
-        finite_hi[k] = hi[k] > MLRT_BVH_FAR ? 2 * MLRT_BVH_FAR : hi[k];
+        box.lo[k] = lo[k] < -MLRT_BVH_FAR ? -2 * MLRT_BVH_FAR : lo[k];
+        box.hi[k] = hi[k] > MLRT_BVH_FAR ? 2 * MLRT_BVH_FAR : hi[k];
     }
-    return half_area(finite_lo, finite_hi);
+    return area_of(&box);
 }
 
 static double slot_area(const struct mlrt_bvh_node *node, int slot)
 {
-    float lo[3] = {node->lo[0][slot], node->lo[1][slot], node->lo[2][slot]};
-    float hi[3] = {node->hi[0][slot], node->hi[1][slot], node->hi[2][slot]};
-    return half_area_of_box(lo, hi);
+    const float lo[3] = {node->lo[0][slot], node->lo[1][slot], node->lo[2][slot]};
+    const float hi[3] = {node->hi[0][slot], node->hi[1][slot], node->hi[2][slot]};
+    return half_area(lo, hi);
 }
 
 struct totals {
@@ -119,7 +114,7 @@ void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs
 {
     mlrt_tree_info *info = &tree->info;
     struct totals totals = {0, 0, 0, 0, 0, progress};
-    double area = half_area_of_box(tree->bvh.whole.lo, tree->bvh.whole.hi);
+    double area = half_area(tree->bvh.whole.lo, tree->bvh.whole.hi);
     if (tree->bvh.node_count > 0) add_subtree(&tree->bvh, 0, 1, costs, &totals);
     info->depth = totals.depth;
     info->node_count = tree->bvh.node_count;
@@ -167,9 +162,7 @@ static void prefetch_triangle(const struct mlrt_tree *tree, uint32_t number)
         mlrt_prefetch(&tree->triangles[number]);
 }
 
-/*
- * Checks the places of a leaf. Adds to *placed_count the triangles that have their place here.
- */
+/* Checks the places of a leaf. Adds to *placed_count the triangles that have their place here. */
 static const char *check_leaf(const struct mlrt_tree *tree, uint32_t child, uint32_t *placed_count)
 {
     uint32_t place_count = 4 * mlrt_bvh_quad_count(child), count = leaf_count(&tree->bvh, child);

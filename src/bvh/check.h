@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The statistics of a finished hierarchy of boxes, and a check of the invariants of node.h.
- */
+/* The statistics of a finished hierarchy of boxes, and a check of the invariants of node.h. */
 #ifndef MLRT_BVH_CHECK_H
 #define MLRT_BVH_CHECK_H
 

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Chooses and writes nodes of sixteen: see collapse.h.
- */
+/* Chooses and writes nodes of sixteen: see collapse.h. */
 #include "bvh/collapse.h"
 
 #include <math.h>
@@ -65,7 +63,7 @@ void mlrt_choose_cut(const struct mlrt_bvh_costs *costs, float area, const struc
     }
 }
 
-/* ---- sizes --------------------------------------------------------------------------------------------------- */
+/* ---- cuts ---------------------------------------------------------------------------------------------------- */
 
 struct mlrt_cut mlrt_cut_of(const struct mlrt_binary_node *node, uint32_t slots)
 {
@@ -84,27 +82,6 @@ struct mlrt_cut mlrt_cut_of(const struct mlrt_binary_node *node, uint32_t slots)
 static uint32_t quads_of(uint32_t count)
 {
     return (count + 3) / 4;
-}
-
-void mlrt_measure_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, uint32_t depth,
-                         struct mlrt_bvh_size *size)
-{
-    const struct mlrt_binary_node *node = &binary->nodes[number];
-    struct mlrt_cut cut = mlrt_cut_of(node, slots);
-    uint32_t slot_count = size->slot_count + 1;
-    if (cut.kind == MLRT_CUT_LEAF) {
-        size->quad_count += quads_of(node->count);
-        size->slot_count++;
-        return;
-    }
-    if (cut.kind == MLRT_CUT_NODE) {
-        size->node_count++;
-        depth++;
-        if (depth > size->depth) size->depth = depth;
-    }
-    mlrt_measure_forest(binary, number + 1, cut.slots[0], depth, size);
-    mlrt_measure_forest(binary, node->upper, cut.slots[1], depth, size);
-    if (cut.kind == MLRT_CUT_NODE) size->slot_count = slot_count;
 }
 
 /* ---- leaves -------------------------------------------------------------------------------------------------- */
@@ -168,42 +145,58 @@ static float low_bound(float lo)
 
 static void write_child(struct mlrt_bvh_cursor *cursor, const struct mlrt_binary_node *node, uint32_t child)
 {
+    const uint32_t slot = cursor->size.slot_count++;
+    if (!cursor->parent) return;
     for (int k = 0; k < 3; k++) {
-        cursor->parent->lo[k][cursor->slot] = low_bound(node->lo[k]);
-        cursor->parent->hi[k][cursor->slot] = 0 - low_bound(-node->hi[k]);
+        cursor->parent->lo[k][slot] = low_bound(node->lo[k]);
+        cursor->parent->hi[k][slot] = 0 - low_bound(-node->hi[k]);
     }
-    cursor->parent->child[cursor->slot++] = child;
+    cursor->parent->child[slot] = child;
 }
 
-struct mlrt_bvh_cursor mlrt_start_node(const struct mlrt_binary_node *node, struct mlrt_tree *tree,
-                                       struct mlrt_bvh_cursor *cursor)
+void mlrt_add_size(const struct mlrt_bvh_size *part, struct mlrt_bvh_size *sum)
 {
-    struct mlrt_bvh_cursor below = {cursor->node + 1, cursor->quad, 0, &tree->bvh.nodes[cursor->node]};
-    write_child(cursor, node, cursor->node << 3);
-    mlrt_clear_node(below.parent);
-    return below;
+    sum->node_count += part->node_count;
+    sum->quad_count += part->quad_count;
+    sum->slot_count += part->slot_count;
+    if (part->depth > sum->depth) sum->depth = part->depth;
+}
+
+void mlrt_enter_node(const struct mlrt_binary_node *node, struct mlrt_tree *tree, struct mlrt_bvh_cursor *cursor)
+{
+    const uint32_t number = cursor->size.node_count++;
+    write_child(cursor, node, number << 3);
+    cursor->size.slot_count = 0;
+    if (++cursor->depth > cursor->size.depth) cursor->size.depth = cursor->depth;
+    if (!cursor->parent) return;
+    cursor->parent = &tree->bvh.nodes[number];
+    mlrt_clear_node(cursor->parent);
+}
+
+void mlrt_leave_node(const struct mlrt_bvh_cursor *above, struct mlrt_bvh_cursor *cursor)
+{
+    cursor->size.slot_count = above->size.slot_count + 1;
+    cursor->depth = above->depth;
+    cursor->parent = above->parent;
 }
 
 void mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, struct mlrt_tree *tree,
                        struct mlrt_progress *progress, struct mlrt_bvh_cursor *cursor)
 {
     const struct mlrt_binary_node *node = &binary->nodes[number];
-    struct mlrt_cut cut = mlrt_cut_of(node, slots);
+    const struct mlrt_cut cut = mlrt_cut_of(node, slots);
+    const struct mlrt_bvh_cursor above = *cursor;
     if (cut.kind == MLRT_CUT_LEAF) {
-        write_child(cursor, node, cursor->quad << 3 | quads_of(node->count));
-        write_leaf(binary, node, tree, cursor->quad);
-        cursor->quad += quads_of(node->count);
+        write_child(cursor, node, cursor->size.quad_count << 3 | quads_of(node->count));
+        if (cursor->parent) write_leaf(binary, node, tree, cursor->size.quad_count);
+        cursor->size.quad_count += quads_of(node->count);
         return;
     }
-    struct mlrt_bvh_cursor below;
-    struct mlrt_bvh_cursor *inner = cursor;
     if (cut.kind == MLRT_CUT_NODE) {
-        if (mlrt_is_cancelled(progress)) return;
-        below = mlrt_start_node(node, tree, cursor);
-        inner = &below;
+        if (cursor->parent && mlrt_is_cancelled(progress)) return;
+        mlrt_enter_node(node, tree, cursor);
     }
-    mlrt_write_forest(binary, number + 1, cut.slots[0], tree, progress, inner);
-    mlrt_write_forest(binary, node->upper, cut.slots[1], tree, progress, inner);
-    cursor->node = inner->node;
-    cursor->quad = inner->quad;
+    mlrt_write_forest(binary, number + 1, cut.slots[0], tree, progress, cursor);
+    mlrt_write_forest(binary, node->upper, cut.slots[1], tree, progress, cursor);
+    if (cut.kind == MLRT_CUT_NODE) mlrt_leave_node(&above, cursor);
 }

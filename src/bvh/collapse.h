@@ -62,33 +62,36 @@ struct mlrt_binary_tree {
     uint32_t *triangles; /* the word of each reference: mlrt_reference_word */
 };
 
-/* The size of the part of the hierarchy that a binary node and all below it become. */
+/* The size of a part of the hierarchy. No count reaches 2^32: leaves are fewer than references (MLRT_REFERENCE_MARK). */
 struct mlrt_bvh_size {
-    uint64_t node_count;
-    uint64_t quad_count;
+    uint32_t node_count;
+    uint32_t quad_count;
     uint32_t slot_count; /* of the node above */
     uint32_t depth;      /* nodes on the longest path from the root */
 };
 
-/* Where the next node, quad and slot are written. */
+/* Adds the size of the next part, in depth-first order. */
+void mlrt_add_size(const struct mlrt_bvh_size *part, struct mlrt_bvh_size *sum);
+
+/* Where the next node, quad and slot are written: behind those that `size` counts. */
 struct mlrt_bvh_cursor {
-    uint32_t node;
-    uint32_t quad;
-    uint32_t slot;                /* of the parent */
-    struct mlrt_bvh_node *parent; /* the node whose children are written */
+    struct mlrt_bvh_size size;
+    uint32_t depth;               /* of the parent */
+    struct mlrt_bvh_node *parent; /* the node whose children are written; NULL = nothing is written, only counted */
 };
 
-/* Adds to *size the part that binary node `number` becomes, as at most `slots` slots of a node at depth `depth`. */
-void mlrt_measure_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, uint32_t depth,
-                         struct mlrt_bvh_size *size);
-
-/* Writes that part into tree->bvh, which has room for it; not all of it if the call is cancelled. */
+/*
+ * Writes what binary node `number` and all below it become, as at most `slots` slots of a node above, into tree->bvh,
+ * which has room for it; not all of it if the call is cancelled. Moves the cursor behind it.
+ */
 void mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, struct mlrt_tree *tree,
                        struct mlrt_progress *progress, struct mlrt_bvh_cursor *cursor);
 
-/* Writes a binary node as a node of sixteen that has no children yet. Returns the cursor for its children. */
-struct mlrt_bvh_cursor mlrt_start_node(const struct mlrt_binary_node *node, struct mlrt_tree *tree,
-                                       struct mlrt_bvh_cursor *cursor);
+/* Writes a binary node as a node of sixteen without children, and moves the cursor to its children. */
+void mlrt_enter_node(const struct mlrt_binary_node *node, struct mlrt_tree *tree, struct mlrt_bvh_cursor *cursor);
+
+/* Moves the cursor from the end of these children behind their node. `above` is the cursor as it entered the node. */
+void mlrt_leave_node(const struct mlrt_bvh_cursor *above, struct mlrt_bvh_cursor *cursor);
 
 /* Makes all slots of a node empty. */
 void mlrt_clear_node(struct mlrt_bvh_node *node);

@@ -52,9 +52,8 @@ static void clip_to_slabs(const struct search *search, const struct mlrt_bvh_nod
     const float d = search->ray->direction[k];
     const float *near = d < 0 ? node->hi[k] : node->lo[k], *far = d < 0 ? node->lo[k] : node->hi[k];
     if (d == 0) {
-        for (int i = 0; i < MLRT_BVH_WIDTH; ++i) {
+        for (int i = 0; i < MLRT_BVH_WIDTH; ++i)
             if (o < near[i] * scale || o > far[i] * scale) parts->exit[i] = -1;
-        }
         return;
     }
     for (int i = 0; i < MLRT_BVH_WIDTH; ++i) {
@@ -78,9 +77,8 @@ static void push_children(const struct mlrt_bvh_node *node, struct search *searc
     for (uint32_t i = 0; i < MLRT_BVH_WIDTH && node->child[i]; ++i) {
         if (parts.enter[i] > parts.exit[i]) continue;
         uint32_t place = search->pending_count++;
-        for (; place > first && search->stack[place - 1].enter < parts.enter[i]; --place) {
+        for (; place > first && search->stack[place - 1].enter < parts.enter[i]; --place)
             search->stack[place] = search->stack[place - 1];
-        }
         search->stack[place] = (struct pending){parts.enter[i], node->child[i]};
     }
 }

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Traces one ray through the hierarchy of boxes, in double: trace_ray of its structure (job/structure.h).
- */
+/* Traces one ray through the hierarchy of boxes, in double: trace_ray of its structure (job/structure.h). */
 #ifndef MLRT_BVH_RAY_H
 #define MLRT_BVH_RAY_H
 

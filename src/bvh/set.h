@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * References to triangles on their way into leaves, sets of references, and the costs of nodes and leaves.
- */
+/* References to triangles on their way into leaves, sets of references, and the costs of nodes and leaves. */
 #ifndef MLRT_BVH_SET_H
 #define MLRT_BVH_SET_H
 
@@ -54,6 +52,12 @@ struct mlrt_bvh_costs {
     float leaf;     /* of each leaf, whatever its triangles */
     float triangle; /* of each triangle of a leaf */
 };
+
+/* The cost of a leaf of `count` triangles, not yet times its area. */
+static inline float mlrt_bvh_leaf_cost(const struct mlrt_bvh_costs *costs, uint32_t count)
+{
+    return costs->leaf + costs->triangle * (float)count;
+}
 
 /* A set of references: `count` of them from `first` on. */
 struct mlrt_bvh_set {

@@ -274,14 +274,6 @@ static void deal_whole(struct dealing *dealing, int side, const struct mlrt_quad
     deal(dealing, side, reference);
 }
 
-static void set_part(const struct mlrt_box *part, struct mlrt_quad_box *reference)
-{
-    for (int k = 0; k < 3; k++) {
-        reference->lo[k] = part->lo[k];
-        reference->hi[k] = part->hi[k];
-    }
-}
-
 /*
  * Cuts a reference by a plane. Returns a bit for each part that exists, at least one. For an odd triangle, which has no
  * corners in units, the box is cut instead.
@@ -303,7 +295,10 @@ static int cut_reference(const struct mlrt_triangle *triangles, float unit, cons
     }
     mlrt_clip_halves(&triangle, &box, axis, position, 0, &halves);
     for (int side = 0; side < 2; side++)
-        if (halves.touched[side]) set_part(&halves.box[side], &parts[side]);
+        for (int k = 0; k < 3 && halves.touched[side]; k++) {
+            parts[side].lo[k] = halves.box[side].lo[k];
+            parts[side].hi[k] = halves.box[side].hi[k];
+        }
     int touched = halves.touched[0] | halves.touched[1] << 1;
     return touched != 0 ? touched : 1;
 }

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Where to cut a set of references in two: see split.h.
- */
+/* Where to cut a set of references in two: see split.h. */
 #include "bvh/split.h"
 
 #include <float.h>
@@ -13,11 +11,6 @@
 
 /* ---- sets ---------------------------------------------------------------------------------------------------- */
 
-double mlrt_quad_box_area(const struct mlrt_quad_box *box)
-{
-    return area_of(box);
-}
-
 struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
                                      struct mlrt_progress *progress)
 {
@@ -25,13 +18,6 @@ struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uin
     for (uint32_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++)
         add_reference(&set, f4_load(references[first + i].lo), f4_load(references[first + i].hi));
     return finish_set(&set, first, count);
-}
-
-/* ---- costs --------------------------------------------------------------------------------------------------- */
-
-float mlrt_bvh_leaf_cost(const struct mlrt_bvh_costs *costs, uint32_t count)
-{
-    return costs->leaf + costs->triangle * (float)count;
 }
 
 /* ---- the best of all places between bins ----------------------------------------------------------------------- */

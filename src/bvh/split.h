@@ -36,15 +36,9 @@ struct mlrt_bvh_split {
     struct mlrt_quad_box box[2];    /* of both sides */
 };
 
-/* Half the surface area of a box. Finite for all floats. */
-double mlrt_quad_box_area(const struct mlrt_quad_box *box);
-
 /* The set of `count` references from `first` on, at least one. If the call is cancelled, its boxes are unfinished. */
 struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
                                      struct mlrt_progress *progress);
-
-/* The cost of a leaf of `count` triangles, not yet times its area. */
-float mlrt_bvh_leaf_cost(const struct mlrt_bvh_costs *costs, uint32_t count);
 
 /* Sets *split to the cheapest split of a set of 2 to MLRT_SWEEP_LIMIT references. */
 void mlrt_sweep_set(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_box *references,

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The unit of a hierarchy of boxes: see unit.h.
- */
+/* The unit of a hierarchy of boxes: see unit.h. */
 #include "bvh/unit.h"
 
 #include <string.h>
@@ -79,9 +77,8 @@ int mlrt_is_odd(const struct mlrt_tree *tree, uint32_t number)
 int mlrt_has_usual_triangles(const struct mlrt_tree *tree)
 {
     int is_usual = tree->bvh.unit == 1;
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k)
         is_usual &= tree->bvh.whole.lo[k] >= -MLRT_SAFE_MAX && tree->bvh.whole.hi[k] <= MLRT_SAFE_MAX;
-    }
     return is_usual;
 }
 
@@ -92,21 +89,9 @@ void mlrt_set_bvh_unit(struct mlrt_tree *tree)
 
 static int is_within(const struct mlrt_box *box, float limit)
 {
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k)
         if (box->lo[k] < -limit || box->hi[k] > limit) return 0;
-    }
     return 1;
-}
-
-static void extend_core(const struct mlrt_triangle *triangle, float unit, struct mlrt_box *core)
-{
-    for (int i = 0; i < 3; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            const float x = triangle->v[i][k] * unit;
-            if (x < core->lo[k]) core->lo[k] = x;
-            if (x > core->hi[k]) core->hi[k] = x;
-        }
-    }
 }
 
 void mlrt_set_bvh_extent(struct mlrt_tree *tree)
@@ -114,7 +99,7 @@ void mlrt_set_bvh_extent(struct mlrt_tree *tree)
     struct mlrt_bvh *bvh = &tree->bvh;
     const int typical = typical_exponent(tree);
     const double limit = ldexp(1, typical + CORE_EXPONENT);
-    struct mlrt_box core = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    struct mlrt_box core = MLRT_NO_BOX;
     for (int k = 0; k < 3; ++k) {
         bvh->whole.lo[k] = mlrt_low_in_units(tree->bounds.lo[k], bvh->unit);
         bvh->whole.hi[k] = mlrt_high_in_units(tree->bounds.hi[k], bvh->unit);
@@ -124,7 +109,11 @@ void mlrt_set_bvh_extent(struct mlrt_tree *tree)
     for (uint32_t i = 0; i < tree->triangle_count; i += sample_step(tree)) {
         const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, i);
         const float size = size_of_triangle(&triangle);
-        if (size > 0 && size <= limit) extend_core(&triangle, bvh->unit, &core);
+        for (int corner = 0; corner < 3 && size > 0 && size <= limit; ++corner) {
+            const float x[3] = {triangle.v[corner][0] * bvh->unit, triangle.v[corner][1] * bvh->unit,
+                                triangle.v[corner][2] * bvh->unit};
+            mlrt_extend_box(x, x, &core);
+        }
     }
     for (int k = 0; k < 3; ++k) { /* the sample has triangles that are left out, and these may lie outside the bounds */
         if (core.lo[k] > bvh->core.lo[k]) bvh->core.lo[k] = core.lo[k];

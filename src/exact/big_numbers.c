@@ -99,17 +99,18 @@ int mlrt_exact_compare_magnitude(const struct mlrt_exact *first, const struct ml
     return 0;
 }
 
-/* |first| + |second|; neither is 0. The caller sets the sign. */
-static void add_magnitudes(const struct mlrt_exact *first, const struct mlrt_exact *second, struct mlrt_exact *result)
+/* |first| + factor |second|, which is not negative; factor is 1 or -1, neither operand 0. The caller sets the sign. */
+static void combine_magnitudes(const struct mlrt_exact *first, const struct mlrt_exact *second, int factor,
+                               struct mlrt_exact *result)
 {
     int32_t start = first->position < second->position ? first->position : second->position;
     int32_t end = end_position(first) > end_position(second) ? end_position(first) : end_position(second);
     assert(end - start <= MLRT_EXACT_LIMBS);
-    uint64_t carry = 0;
+    int64_t carry = 0;
     for (int32_t position = start; position < end; ++position) {
-        carry += (uint64_t)limb_at(first, position) + limb_at(second, position);
-        result->limb[position - start] = (uint32_t)carry;
-        carry >>= 32;
+        const int64_t sum = (int64_t)limb_at(first, position) + factor * (int64_t)limb_at(second, position) + carry;
+        result->limb[position - start] = (uint32_t)sum;
+        carry = sum < 0 ? -1 : sum >> 32;
     }
     result->position = start;
     result->count = end - start;
@@ -117,32 +118,7 @@ static void add_magnitudes(const struct mlrt_exact *first, const struct mlrt_exa
         assert(result->count < MLRT_EXACT_LIMBS);
         result->limb[result->count++] = (uint32_t)carry;
     }
-}
-
-/* |larger| - |smaller|, which is not negative; neither operand is 0. The caller sets the sign. */
-static void subtract_magnitudes(const struct mlrt_exact *larger, const struct mlrt_exact *smaller,
-                                struct mlrt_exact *result)
-{
-    int32_t start = larger->position < smaller->position ? larger->position : smaller->position;
-    int32_t end = end_position(larger);
-    assert(end - start <= MLRT_EXACT_LIMBS);
-    uint32_t borrow = 0;
-    for (int32_t position = start; position < end; ++position) {
-        uint64_t difference = (uint64_t)limb_at(larger, position) - limb_at(smaller, position) - borrow;
-        result->limb[position - start] = (uint32_t)difference;
-        borrow = (uint32_t)(difference >> 63);
-    }
-    result->position = start;
-    result->count = end - start;
-}
-
-/* sign * |number| */
-static void copy_with_sign(const struct mlrt_exact *number, int32_t sign, struct mlrt_exact *result)
-{
-    result->sign = sign;
-    result->position = number->position;
-    result->count = number->count;
-    memcpy(result->limb, number->limb, (size_t)number->count * sizeof number->limb[0]);
+    normalize(result);
 }
 
 /* first + second_sign * |second| */
@@ -150,23 +126,14 @@ static void add_signed(const struct mlrt_exact *first, const struct mlrt_exact *
                        struct mlrt_exact *result)
 {
     assert(result != first && result != second);
-    if (second_sign == 0) {
-        copy_with_sign(first, first->sign, result);
-    } else if (first->sign == 0) {
-        copy_with_sign(second, second_sign, result);
-    } else if (first->sign == second_sign) {
-        result->sign = second_sign;
-        add_magnitudes(first, second, result);
-        normalize(result);
-    } else if (mlrt_exact_compare_magnitude(first, second) >= 0) {
-        result->sign = first->sign;
-        subtract_magnitudes(first, second, result);
-        normalize(result);
-    } else {
-        result->sign = second_sign;
-        subtract_magnitudes(second, first, result);
-        normalize(result);
+    if (second_sign == 0 || first->sign == 0) {
+        *result = second_sign == 0 ? *first : *second;
+        result->sign = second_sign == 0 ? first->sign : second_sign;
+        return;
     }
+    const int is_first = first->sign == second_sign || mlrt_exact_compare_magnitude(first, second) >= 0;
+    result->sign = is_first ? first->sign : second_sign;
+    combine_magnitudes(is_first ? first : second, is_first ? second : first, first->sign * second_sign, result);
 }
 
 void mlrt_exact_add(const struct mlrt_exact *first, const struct mlrt_exact *second, struct mlrt_exact *result)

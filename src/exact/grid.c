@@ -34,9 +34,10 @@ struct extent {
     int greatest;
 };
 
-static void extend(struct extent *extent, const float v[3])
+/* Extends an extent by `count` numbers. */
+static void extend(struct extent *extent, const float *v, int count)
 {
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < count; ++k) {
         uint32_t bits;
         memcpy(&bits, &v[k], sizeof bits);
         const int exponent = (int)(bits >> 23 & 255);
@@ -45,8 +46,6 @@ static void extend(struct extent *extent, const float v[3])
         if (exponent > extent->greatest) extent->greatest = exponent;
     }
 }
-
-static const struct extent empty_extent = {255, 0};
 
 /* Sets *scale to the factor that makes all numbers integers. Returns 0 if the integers would exceed 61 bits. */
 static int find_grid(const struct extent *extent, double *scale)
@@ -142,24 +141,35 @@ static int sign_of_difference(const struct determinant *a, const struct determin
     uint64_t first[6], second[6];
     multiply_magnitudes(a, b, first);
     multiply_magnitudes(c, d, second);
-    for (int i = 5; i >= 0; --i) {
+    for (int i = 5; i >= 0; --i)
         if (first[i] != second[i]) return first[i] > second[i] ? plus : -plus;
-    }
     return 0;
 }
 
-static int direction_on_grid(const float d[3], int64_t direction[3], double *scale)
-{
-    struct extent extent = empty_extent;
-    extend(&extent, d);
-    if (!find_grid(&extent, scale)) return 0;
-    for (int k = 0; k < 3; ++k) direction[k] = (int64_t)(d[k] * *scale);
-    return 1;
-}
+/* A grid for a ray and points, with the ray's direction in units of its own. */
+struct grid {
+    double scale;
+    double direction_scale;
+    int64_t direction[3];
+};
 
-static void extend_by_triangle(struct extent *extent, const struct mlrt_triangle *triangle)
+/*
+ * Finds a grid for the ray and `count` coordinates, and as many `others` (NULL: none). Without a direction, `direction`
+ * is NULL. Returns 0 if there is none.
+ */
+static int make_grid(const float origin[3], const float *direction, const float *points, int count, const float *others,
+                     struct grid *grid)
 {
-    for (int i = 0; i < 3; ++i) extend(extent, triangle->v[i]);
+    struct extent extent = {255, 0}, direction_extent = {255, 0};
+    extend(&extent, origin, 3);
+    extend(&extent, points, count);
+    if (others) extend(&extent, others, count);
+    if (!find_grid(&extent, &grid->scale)) return 0;
+    if (!direction) return 1;
+    extend(&direction_extent, direction, 3);
+    if (!find_grid(&direction_extent, &grid->direction_scale)) return 0;
+    for (int k = 0; k < 3; ++k) grid->direction[k] = (int64_t)(direction[k] * grid->direction_scale);
+    return 1;
 }
 
 /* 1 if all components are 0. */
@@ -174,16 +184,13 @@ static int is_zero(const int128 cross[3])
  */
 int mlrt_grid_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int sign[3])
 {
-    struct extent extent = empty_extent;
-    double scale, direction_scale;
-    int64_t direction[3], vertex[3][3];
+    struct grid grid;
+    int64_t vertex[3][3];
     int128 moment[3][3];
-    extend(&extent, ray->origin);
-    extend_by_triangle(&extent, triangle);
-    if (!find_grid(&extent, &scale) || !direction_on_grid(ray->direction, direction, &direction_scale)) return 0;
+    if (!make_grid(ray->origin, ray->direction, triangle->v[0], 9, NULL, &grid)) return 0;
     for (int i = 0; i < 3; ++i) {
-        subtract_on_grid(triangle->v[i], ray->origin, scale, vertex[i]);
-        cross_product(direction, vertex[i], moment[i]);
+        subtract_on_grid(triangle->v[i], ray->origin, grid.scale, vertex[i]);
+        cross_product(grid.direction, vertex[i], moment[i]);
     }
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3;
@@ -195,30 +202,24 @@ int mlrt_grid_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_t
 
 int mlrt_grid_meets_point(const struct mlrt_ray_segment *ray, const float point[3], int *meets)
 {
-    struct extent extent = empty_extent;
-    double scale, direction_scale;
-    int64_t direction[3], to_point[3];
+    struct grid grid;
+    int64_t to_point[3];
     int128 moment[3];
-    extend(&extent, ray->origin);
-    extend(&extent, point);
-    if (!find_grid(&extent, &scale) || !direction_on_grid(ray->direction, direction, &direction_scale)) return 0;
-    subtract_on_grid(point, ray->origin, scale, to_point);
-    cross_product(direction, to_point, moment);
+    if (!make_grid(ray->origin, ray->direction, point, 3, NULL, &grid)) return 0;
+    subtract_on_grid(point, ray->origin, grid.scale, to_point);
+    cross_product(grid.direction, to_point, moment);
     *meets = is_zero(moment);
     return 1;
 }
 
 int mlrt_grid_distance_sign(const struct mlrt_triangle *triangle, const float point[3], int *sign)
 {
-    struct extent extent = empty_extent;
-    double scale;
+    struct grid grid;
     int64_t ab[3], ac[3], to_a[3];
-    extend(&extent, point);
-    extend_by_triangle(&extent, triangle);
-    if (!find_grid(&extent, &scale)) return 0;
-    subtract_on_grid(triangle->v[1], triangle->v[0], scale, ab);
-    subtract_on_grid(triangle->v[2], triangle->v[0], scale, ac);
-    subtract_on_grid(triangle->v[0], point, scale, to_a);
+    if (!make_grid(point, NULL, triangle->v[0], 9, NULL, &grid)) return 0;
+    subtract_on_grid(triangle->v[1], triangle->v[0], grid.scale, ab);
+    subtract_on_grid(triangle->v[2], triangle->v[0], grid.scale, ac);
+    subtract_on_grid(triangle->v[0], point, grid.scale, to_a);
     *sign = determinant_of(ab, ac, to_a).sign;
     return 1;
 }
@@ -228,28 +229,21 @@ struct crossing {
     struct determinant d, n;
 };
 
-static struct crossing cross_plane(const float origin[3], const int64_t direction[3],
-                                   const struct mlrt_triangle *triangle, double scale)
+static struct crossing cross_plane(const struct grid *grid, const float origin[3], const struct mlrt_triangle *triangle)
 {
     int64_t ab[3], ac[3], to_a[3];
-    subtract_on_grid(triangle->v[1], triangle->v[0], scale, ab);
-    subtract_on_grid(triangle->v[2], triangle->v[0], scale, ac);
-    subtract_on_grid(triangle->v[0], origin, scale, to_a);
-    return (struct crossing){determinant_of(ab, ac, direction), determinant_of(ab, ac, to_a)};
+    subtract_on_grid(triangle->v[1], triangle->v[0], grid->scale, ab);
+    subtract_on_grid(triangle->v[2], triangle->v[0], grid->scale, ac);
+    subtract_on_grid(triangle->v[0], origin, grid->scale, to_a);
+    return (struct crossing){determinant_of(ab, ac, grid->direction), determinant_of(ab, ac, to_a)};
 }
 
 int mlrt_grid_order(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
                     const struct mlrt_triangle *second, int *sign)
 {
-    struct extent extent = empty_extent;
-    double scale, direction_scale;
-    int64_t direction[3];
-    extend(&extent, ray->origin);
-    extend_by_triangle(&extent, first);
-    extend_by_triangle(&extent, second);
-    if (!find_grid(&extent, &scale) || !direction_on_grid(ray->direction, direction, &direction_scale)) return 0;
-    const struct crossing a = cross_plane(ray->origin, direction, first, scale);
-    const struct crossing b = cross_plane(ray->origin, direction, second, scale);
+    struct grid grid;
+    if (!make_grid(ray->origin, ray->direction, first->v[0], 9, second->v[0], &grid)) return 0;
+    const struct crossing a = cross_plane(&grid, ray->origin, first), b = cross_plane(&grid, ray->origin, second);
     *sign = a.d.sign * b.d.sign * sign_of_difference(&a.n, &b.d, &b.n, &a.d);
     return 1;
 }
@@ -263,55 +257,20 @@ static double size_of(const struct determinant *determinant)
 
 int mlrt_grid_quotients(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, double quotient[3])
 {
-    struct extent extent = empty_extent;
-    double scale, direction_scale;
-    int64_t direction[3], ab[3], ca[3], to_a[3], to_c[3];
-    extend(&extent, ray->origin);
-    extend_by_triangle(&extent, triangle);
-    if (!find_grid(&extent, &scale) || !direction_on_grid(ray->direction, direction, &direction_scale)) return 0;
-    subtract_on_grid(triangle->v[1], triangle->v[0], scale, ab);
-    subtract_on_grid(triangle->v[0], triangle->v[2], scale, ca);
-    subtract_on_grid(triangle->v[0], ray->origin, scale, to_a);
-    subtract_on_grid(triangle->v[2], ray->origin, scale, to_c);
-    const struct crossing plane = cross_plane(ray->origin, direction, triangle, scale);
-    const struct determinant e_ca = determinant_of(direction, to_c, ca), e_ab = determinant_of(direction, to_a, ab);
-    quotient[0] = size_of(&plane.n) / size_of(&plane.d) * (direction_scale / scale);
+    struct grid grid;
+    int64_t ab[3], ca[3], to_a[3], to_c[3];
+    if (!make_grid(ray->origin, ray->direction, triangle->v[0], 9, NULL, &grid)) return 0;
+    subtract_on_grid(triangle->v[1], triangle->v[0], grid.scale, ab);
+    subtract_on_grid(triangle->v[0], triangle->v[2], grid.scale, ca);
+    subtract_on_grid(triangle->v[0], ray->origin, grid.scale, to_a);
+    subtract_on_grid(triangle->v[2], ray->origin, grid.scale, to_c);
+    const struct crossing plane = cross_plane(&grid, ray->origin, triangle);
+    const struct determinant e_ca = determinant_of(grid.direction, to_c, ca);
+    const struct determinant e_ab = determinant_of(grid.direction, to_a, ab);
+    quotient[0] = size_of(&plane.n) / size_of(&plane.d) * (grid.direction_scale / grid.scale);
     quotient[1] = size_of(&e_ca) / size_of(&plane.d);
     quotient[2] = size_of(&e_ab) / size_of(&plane.d);
     return 1;
-}
-
-#else
-
-int mlrt_grid_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int sign[3])
-{
-    (void)ray, (void)triangle, (void)sign;
-    return 0;
-}
-
-int mlrt_grid_meets_point(const struct mlrt_ray_segment *ray, const float point[3], int *meets)
-{
-    (void)ray, (void)point, (void)meets;
-    return 0;
-}
-
-int mlrt_grid_distance_sign(const struct mlrt_triangle *triangle, const float point[3], int *sign)
-{
-    (void)triangle, (void)point, (void)sign;
-    return 0;
-}
-
-int mlrt_grid_order(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
-                    const struct mlrt_triangle *second, int *sign)
-{
-    (void)ray, (void)first, (void)second, (void)sign;
-    return 0;
-}
-
-int mlrt_grid_quotients(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, double quotient[3])
-{
-    (void)ray, (void)triangle, (void)quotient;
-    return 0;
 }
 
 #endif

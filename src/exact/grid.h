@@ -10,8 +10,11 @@
 #ifndef MLRT_EXACT_GRID_H
 #define MLRT_EXACT_GRID_H
 
+#include "base/platform.h"
 #include "exact/segment.h"
 #include "exact/triangle.h"
+
+#if MLRT_HAVE_INT128
 
 /* The signs of e_ab, e_bc, e_ca in sign[]: an entry that is not 0 on entry is known and stays. */
 int mlrt_grid_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int sign[3]);
@@ -28,5 +31,17 @@ int mlrt_grid_order(const struct mlrt_ray_segment *ray, const struct mlrt_triang
 
 /* quotient[]: t, u, v of a triangle that the ray hits, each with a relative error below 2^-49. */
 int mlrt_grid_quotients(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, double quotient[3]);
+
+#else
+static inline int mlrt_has_no_grid(const void *first, ...)
+{
+    return (void)first, 0;
+}
+#define mlrt_grid_edge_signs    mlrt_has_no_grid
+#define mlrt_grid_meets_point   mlrt_has_no_grid
+#define mlrt_grid_distance_sign mlrt_has_no_grid
+#define mlrt_grid_order         mlrt_has_no_grid
+#define mlrt_grid_quotients     mlrt_has_no_grid
+#endif
 
 #endif

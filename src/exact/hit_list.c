@@ -91,9 +91,8 @@ void mlrt_remove_repetitions(struct mlrt_hit_list *list)
     if (list->count < 2) return;
     sort_by_number(list->hits, list->count);
     uint32_t kept = 1;
-    for (uint32_t i = 1; i < list->count; ++i) {
+    for (uint32_t i = 1; i < list->count; ++i)
         if (list->hits[i].triangle != list->hits[kept - 1].triangle) list->hits[kept++] = list->hits[i];
-    }
     list->count = kept;
 }
 

@@ -27,8 +27,7 @@ static int move_point(const double base[3], const double direction[3], double st
 }
 
 /*
- * Doubles the step along `direction` until the point is on the wanted side. With `from`, base and point are relative to
- * it; without (NULL), to 0. Returns 0 if the point would leave the range of float.
+ * Doubles the step along `direction` until the point is on the wanted side. Base and point are relative to `from`. Returns 0 if the point would leave the range of float.
  */
 static int search_along(const struct mlrt_triangle *triangle, const double base[3], const double direction[3], int side,
                         const float *from, float point[3])
@@ -70,8 +69,8 @@ static int find_normal(const struct mlrt_triangle *triangle, int side, double di
     return largest > 0;
 }
 
-static MLRT_NOINLINE int find_point(const struct mlrt_triangle *triangle, float u, float v, int side, const float *from,
-                                    float point[3])
+int mlrt_find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int side, const float *from,
+                           float point[3])
 {
     if (!isfinite(u) || !isfinite(v)) return 0;
     if (!mlrt_triangle_is_finite(triangle) || !mlrt_triangle_has_area(triangle)) return 0;
@@ -83,15 +82,4 @@ static MLRT_NOINLINE int find_point(const struct mlrt_triangle *triangle, float 
     if (find_normal(triangle, side, direction) && search_along(triangle, base, direction, side, from, point)) return 1;
     find_normal_signs(triangle, side, direction);
     return search_along(triangle, base, direction, side, from, point);
-}
-
-int mlrt_find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int side, float point[3])
-{
-    return find_point(triangle, u, v, side, NULL, point);
-}
-
-int mlrt_find_offset_from(const struct mlrt_triangle *triangle, float u, float v, int side, const float from[3],
-                          float by[3])
-{
-    return find_point(triangle, u, v, side, from, by);
 }

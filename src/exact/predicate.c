@@ -64,9 +64,7 @@
 #define SIGN_ERROR  (10 * MLRT_UNIT_ROUNDOFF)
 #define ORDER_ERROR (18 * MLRT_UNIT_ROUNDOFF)
 
-/* ------------------------------------------------------------------------------------------------------------------
- * In double
- * ------------------------------------------------------------------------------------------------------------------ */
+/* ---- in double --------------------------------------------------------------------------------------------------- */
 
 struct vector {
     double x, y, z;
@@ -101,6 +99,19 @@ MLRT_INLINE double dot(struct vector v, struct vector w)
 MLRT_INLINE double size_of(struct vector v)
 {
     return fabs(v.x) + fabs(v.y) + fabs(v.z);
+}
+
+/* n = (b - a) x (c - a), and the product of the sizes of its factors. */
+struct normal {
+    struct vector n;
+    double size;
+};
+
+MLRT_INLINE struct normal normal_of(const struct mlrt_triangle *triangle)
+{
+    const struct vector a = vector_of(triangle->v[0]);
+    const struct vector ab = subtract(vector_of(triangle->v[1]), a), ac = subtract(vector_of(triangle->v[2]), a);
+    return (struct normal){cross(ab, ac), size_of(ab) * size_of(ac)};
 }
 
 /* The sign of a value whose error is at most error * size. 0: not certain, as for every value that is truly 0. */
@@ -186,9 +197,7 @@ MLRT_INLINE struct measured measure_order(const struct crossing *first, const st
                              first->n.size * second->d.size + second->n.size * first->d.size};
 }
 
-/* ------------------------------------------------------------------------------------------------------------------
- * Exactly
- * ------------------------------------------------------------------------------------------------------------------ */
+/* ---- exactly ----------------------------------------------------------------------------------------------------- */
 
 struct exact_vector {
     struct mlrt_exact x[3];
@@ -259,11 +268,16 @@ static void exact_normal(const struct mlrt_triangle *triangle, struct exact_vect
     exact_cross(&ab, &ac, result);
 }
 
-static void exact_d(const struct mlrt_ray_segment *ray, const struct exact_vector *normal, struct mlrt_exact *result)
+/* D and N of a ray and a triangle. */
+static void exact_crossing(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
+                           struct mlrt_exact *d, struct mlrt_exact *n)
 {
-    struct exact_vector direction;
+    struct exact_vector normal, direction, to_a;
+    exact_normal(triangle, &normal);
     exact_vector_of(ray->direction, &direction);
-    exact_dot(&direction, normal, result);
+    exact_vector_between(ray->origin, triangle->v[0], &to_a);
+    exact_dot(&direction, &normal, d);
+    exact_dot(&to_a, &normal, n);
 }
 
 /* The sign of v . n. */
@@ -274,14 +288,6 @@ static int exact_side(const struct mlrt_triangle *triangle, const struct exact_v
     exact_normal(triangle, &normal);
     exact_dot(v, &normal, &height);
     return height.sign;
-}
-
-static void exact_n(const float origin[3], const struct mlrt_triangle *triangle, const struct exact_vector *normal,
-                    struct mlrt_exact *result)
-{
-    struct exact_vector to_a;
-    exact_vector_between(origin, triangle->v[0], &to_a);
-    exact_dot(&to_a, normal, result);
 }
 
 /* The sign of first * second_factor - second * first_factor. */
@@ -295,9 +301,7 @@ static int exact_sign_of_difference(const struct mlrt_exact *first, const struct
     return difference.sign;
 }
 
-/* ------------------------------------------------------------------------------------------------------------------
- * Triangle and plane
- * ------------------------------------------------------------------------------------------------------------------ */
+/* ---- triangle and plane ------------------------------------------------------------------------------------------ */
 
 static MLRT_NOINLINE int has_area_exactly(const struct mlrt_triangle *triangle)
 {
@@ -308,14 +312,10 @@ static MLRT_NOINLINE int has_area_exactly(const struct mlrt_triangle *triangle)
 
 int mlrt_triangle_has_area(const struct mlrt_triangle *triangle)
 {
-    struct vector a = vector_of(triangle->v[0]);
-    struct vector ab = subtract(vector_of(triangle->v[1]), a);
-    struct vector ac = subtract(vector_of(triangle->v[2]), a);
-    struct vector normal = cross(ab, ac);
+    const struct normal normal = normal_of(triangle);
     // Components have 4 factors, the size has 7. A size of 0 is exact: two vertices are equal.
-    double size = size_of(ab) * size_of(ac);
-    if (size_of(normal) > 3 * SIGN_ERROR * size) return 1; // one of the three components is above SIGN_ERROR * size
-    return size > 0 && has_area_exactly(triangle);
+    if (size_of(normal.n) > 3 * SIGN_ERROR * normal.size) return 1; // a component is above SIGN_ERROR * size
+    return normal.size > 0 && has_area_exactly(triangle);
 }
 
 /* 1 if the triangle lies in a plane across the axis. */
@@ -336,17 +336,19 @@ static MLRT_NOINLINE int side_of_plane_exactly(const struct mlrt_triangle *trian
 /* The sign of v . n; 0 if double cannot tell. `size` is that of v, or those of its summands. */
 static int certain_side(const struct mlrt_triangle *triangle, struct vector v, double size)
 {
-    struct vector a = vector_of(triangle->v[0]);
-    struct vector ab = subtract(vector_of(triangle->v[1]), a);
-    struct vector ac = subtract(vector_of(triangle->v[2]), a);
-    struct measured height = {dot(v, cross(ab, ac)), size * size_of(ab) * size_of(ac)};
-    return certain_sign(height, SIGN_ERROR);
+    const struct normal normal = normal_of(triangle);
+    return certain_sign((struct measured){dot(v, normal.n), size * normal.size}, SIGN_ERROR);
+}
+
+static int certain_side_of_point(const struct mlrt_triangle *triangle, const float point[3])
+{
+    const struct vector v = subtract(vector_of(point), vector_of(triangle->v[0]));
+    return certain_side(triangle, v, size_of(v));
 }
 
 int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3])
 {
-    const struct vector v = subtract(vector_of(point), vector_of(triangle->v[0]));
-    int side = certain_side(triangle, v, size_of(v));
+    const int side = certain_side_of_point(triangle, point);
     return side != 0 ? side : side_of_plane_exactly(triangle, point);
 }
 
@@ -389,9 +391,7 @@ int mlrt_facing(const struct mlrt_triangle *triangle, const float direction[3])
     return facing_of_normal_exactly(triangle, direction);
 }
 
-/* ------------------------------------------------------------------------------------------------------------------
- * Hit or miss
- * ------------------------------------------------------------------------------------------------------------------ */
+/* ---- hit or miss ------------------------------------------------------------------------------------------------- */
 
 /*
  * The sign of D if the ray's line meets the closed triangle, 0 for a miss. `known` holds the signs of e_ab, e_bc, e_ca,
@@ -418,16 +418,11 @@ static MLRT_NOINLINE int sign_beyond_exactly(const struct mlrt_ray_segment *ray,
     if (counters) ++counters->exact_range_count;
     int sign;
     if (t == 0 && MLRT_LIKELY(mlrt_grid_distance_sign(triangle, ray->origin, &sign))) return sign;
-    struct exact_vector normal;
-    struct mlrt_exact n, d, exact_t, product, difference;
-    exact_normal(triangle, &normal);
-    exact_n(ray->origin, triangle, &normal, &n);
-    if (t == 0) return n.sign;
-    exact_d(ray, &normal, &d);
+    struct mlrt_exact n, d, one, exact_t;
+    exact_crossing(ray, triangle, &d, &n);
+    mlrt_exact_from_double(1, &one);
     mlrt_exact_from_double(t, &exact_t);
-    mlrt_exact_multiply(&exact_t, &d, &product);
-    mlrt_exact_subtract(&n, &product, &difference);
-    return difference.sign;
+    return exact_sign_of_difference(&n, &one, &exact_t, &d);
 }
 
 /*
@@ -472,9 +467,8 @@ int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_tri
     struct operands operands = load_operands(ray->origin, ray->direction, triangle);
     struct crossing crossing = measure_crossing(&operands);
     /* First, since many rays that are judged start beside a surface and leave it. */
-    if (certain_sign(crossing.d, SIGN_ERROR) * certain_sign(measure_beyond(&crossing, ray->t_min), SIGN_ERROR) < 0) {
+    if (certain_sign(crossing.d, SIGN_ERROR) * certain_sign(measure_beyond(&crossing, ray->t_min), SIGN_ERROR) < 0)
         return 0;
-    }
     struct two_edges edges = measure_edges(&operands);
     int sign_ab = certain_sign(edges.ab, SIGN_ERROR);
     int sign_ca = certain_sign(edges.ca, SIGN_ERROR);
@@ -515,9 +509,8 @@ static MLRT_NOINLINE int crosses_exactly(const struct mlrt_ray_segment *ray, con
     int sign[3] = {0, 0, 0};
     exact_edge_signs(ray, triangle, sign);
     const int facing = sign[0] ? sign[0] : sign[1] ? sign[1] : sign[2];
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3; ++i)
         if (sign[i] == 0 && perturbed_edge_sign(ray, triangle->v[i], triangle->v[(i + 1) % 3]) != facing) return 0;
-    }
     return 1;
 }
 
@@ -531,9 +524,7 @@ int mlrt_crosses_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_
     return inside || crosses_exactly(ray, triangle);
 }
 
-/* ------------------------------------------------------------------------------------------------------------------
- * Nearer
- * ------------------------------------------------------------------------------------------------------------------ */
+/* ---- nearer ------------------------------------------------------------------------------------------------------ */
 
 /* 1 if the triangles have the same three vertices, in any order: then they share their plane. */
 static int same_vertices(const struct mlrt_triangle *first, const struct mlrt_triangle *second)
@@ -556,14 +547,9 @@ static MLRT_NOINLINE int compare_distance_exactly(const struct mlrt_ray_segment 
 {
     int sign;
     if (MLRT_LIKELY(mlrt_grid_order(ray, first, second, &sign))) return sign;
-    struct exact_vector normal;
     struct mlrt_exact n1, d1, n2, d2;
-    exact_normal(first, &normal);
-    exact_n(ray->origin, first, &normal, &n1);
-    exact_d(ray, &normal, &d1);
-    exact_normal(second, &normal);
-    exact_n(ray->origin, second, &normal, &n2);
-    exact_d(ray, &normal, &d2);
+    exact_crossing(ray, first, &d1, &n1);
+    exact_crossing(ray, second, &d2, &n2);
     return d1.sign * d2.sign * exact_sign_of_difference(&n1, &d2, &n2, &d1);
 }
 
@@ -619,16 +605,10 @@ int mlrt_compare_distance(const struct mlrt_ray_segment *ray, const struct mlrt_
  */
 int mlrt_order_of_triangles(const float from[3], const struct mlrt_triangle *first, const struct mlrt_triangle *second)
 {
-    const struct vector a = vector_of(second->v[0]), to_from = subtract(vector_of(from), a);
-    const struct vector ab = subtract(vector_of(second->v[1]), a), ac = subtract(vector_of(second->v[2]), a);
-    const struct vector normal = cross(ab, ac);
-    const double size = size_of(ab) * size_of(ac);
-    const int side = certain_sign((struct measured){dot(to_from, normal), size_of(to_from) * size}, SIGN_ERROR);
+    const int side = certain_side_of_point(second, from);
     int corner_side = 0;
     for (int i = 0; side != 0 && i < 3; ++i) {
-        const struct vector to_corner = subtract(vector_of(first->v[i]), a);
-        const struct measured height = {dot(to_corner, normal), size_of(to_corner) * size};
-        const int other = certain_sign(height, SIGN_ERROR);
+        const int other = certain_side_of_point(second, first->v[i]);
         if (other == 0 || (i > 0 && other != corner_side)) return 0;
         corner_side = other;
     }
@@ -637,13 +617,11 @@ int mlrt_order_of_triangles(const float from[3], const struct mlrt_triangle *fir
 
 int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second)
 {
-    for (int axis = 0; axis < 3; ++axis) {
+    for (int axis = 0; axis < 3; ++axis)
         if (is_across(first, axis) && is_across(second, axis)) return first->v[0][axis] == second->v[0][axis];
-    }
     if (same_vertices(first, second)) return 1;
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3; ++i)
         if (mlrt_side_of_plane(first, second->v[i]) != 0) return 0;
-    }
     return 1;
 }
 
@@ -784,15 +762,10 @@ static MLRT_NOINLINE void report_hit_exactly(const struct mlrt_ray_segment *ray,
 {
     outputs = report_hit_on_grid(ray, triangle, outputs, report);
     if (!outputs) return;
-    struct exact_vector normal;
     struct mlrt_exact x, d;
-    exact_normal(triangle, &normal);
-    exact_d(ray, &normal, &d);
+    exact_crossing(ray, triangle, &d, &x);
     if (outputs & MLRT_OUTPUT_FACING) report->facing = d.sign;
-    if (outputs & MLRT_OUTPUT_T) {
-        exact_n(ray->origin, triangle, &normal, &x);
-        report->t = round_quotient_exactly(&x, &d);
-    }
+    if (outputs & MLRT_OUTPUT_T) report->t = round_quotient_exactly(&x, &d);
     if (outputs & MLRT_OUTPUT_UV) {
         exact_edge(ray, triangle->v[2], triangle->v[0], &x);
         report->u = round_quotient_exactly(&x, &d);

@@ -22,9 +22,8 @@
 static inline int mlrt_triangle_is_finite(const struct mlrt_triangle *triangle)
 {
     for (int i = 0; i < 3; ++i) {
-        for (int k = 0; k < 3; ++k) {
+        for (int k = 0; k < 3; ++k)
             if (!isfinite(triangle->v[i][k])) return 0;
-        }
     }
     return 1;
 }

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Rounding from double to float, up or down, so that bounds remain bounds.
- */
+/* Rounding from double to float, up or down, so that bounds remain bounds. */
 #ifndef MLRT_EXACT_ROUNDING_H
 #define MLRT_EXACT_ROUNDING_H
 

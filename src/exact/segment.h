@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A ray as the hit rule takes it, and which rays can hit anything (rule R1).
- */
+/* A ray as the hit rule takes it, and which rays can hit anything (rule R1). */
 #ifndef MLRT_EXACT_SEGMENT_H
 #define MLRT_EXACT_SEGMENT_H
 

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Triangles by their numbers: see triangle.h.
- */
+/* Triangles by their numbers: see triangle.h. */
 #include "exact/triangle.h"
 
 #include <stddef.h>

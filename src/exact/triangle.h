@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Triangles and boxes of floats, and the range of floats that the filters of traversal can compute with.
- */
+/* Triangles and boxes of floats, and the range of floats that the filters of traversal can compute with. */
 #ifndef MLRT_EXACT_TRIANGLE_H
 #define MLRT_EXACT_TRIANGLE_H
+
+#include <math.h>
 
 #include "mlrt.h"
 
@@ -73,6 +73,23 @@ struct mlrt_box {
     float lo[3];
     float hi[3];
 };
+
+/* Holds no point: each box that it is extended by is the result. */
+#define MLRT_NO_BOX                                                                                                    \
+    {                                                                                                                  \
+        {INFINITY, INFINITY, INFINITY},                                                                                \
+        {                                                                                                              \
+            -INFINITY, -INFINITY, -INFINITY                                                                            \
+        }                                                                                                              \
+    }
+
+static inline void mlrt_extend_box(const float lo[3], const float hi[3], struct mlrt_box *box)
+{
+    for (int k = 0; k < 3; ++k) {
+        if (lo[k] < box->lo[k]) box->lo[k] = lo[k];
+        if (hi[k] > box->hi[k]) box->hi[k] = hi[k];
+    }
+}
 
 /* Magnitudes with which float arithmetic in traversal neither overflows nor underflows: these, and 0. */
 #define MLRT_SAFE_MIN 0x1p-60f

@@ -17,7 +17,6 @@
 #include "simd/doubles.h"
 #include "simd/simd.h"
 
-#if !MLRT_COUNTING
 /* For a vector of rays: the terms of shadow_ray.h that depend on triangle, origin and light, not on the direction. */
 struct shadow_terms {
     vd m[3];
@@ -156,6 +155,5 @@ static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, con
     packet->has_skip = 1;
     return hit & ~facing;
 }
-#endif
 
 #endif

@@ -87,8 +87,7 @@ static MLRT_NOINLINE void find_end_exactly(const struct mlrt_source *light, cons
     *faces = 0;
     if ((is_point ? mlrt_side_of_plane(triangle, light->light) : mlrt_facing(triangle, light->light)) != side) return;
     mlrt_report_hit(ray, triangle, MLRT_OUTPUT_UV, &report);
-    *faces = is_point ? mlrt_find_offset_from(triangle, report.u, report.v, side, light->light, end)
-                      : mlrt_find_offset_point(triangle, report.u, report.v, side, end);
+    *faces = mlrt_find_offset_point(triangle, report.u, report.v, side, is_point ? light->light : NULL, end);
 }
 
 int mlrt_make_shadow_ray(const struct mlrt_source *light, const struct mlrt_triangle *triangle,

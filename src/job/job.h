@@ -126,97 +126,28 @@ struct mlrt_lone_ray;
 /* exact/predicate.h */
 struct mlrt_hit_report;
 
-/* trace/ray_tile.h */
-struct mlrt_rectangle;
-struct mlrt_ray_tile;
-
-/* mlrta/entry_point.h */
-struct entry_list;
-
-/* How packets of a picture are read and written, and what is rare enough to be shared by both structures. */
-struct mlrt_picture_kernels {
-    /* Make the rays of a block, and check them; `lanes` are those that exist. rays/fetch_block.h, check_packet.h */
-    void (*fetch_block)(const struct mlrt_source *source, const struct mlrt_rectangle *block, uint32_t lanes,
-                        struct mlrt_packet *packet);
-    void (*check_block)(const struct mlrt_source *source, uint32_t lanes, struct mlrt_packet *packet);
-    /* Makes the rays of all blocks of a tile. trace/read_tile.h */
-    void (*read_packets)(const struct mlrt_source *source, struct mlrt_ray_tile *tile);
-    /* Writes the results of a packet. hits/write_packet.h */
-    void (*write_packet)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
-                         uint32_t lanes, const struct mlrt_rectangle *block);
-    /* Decides lanes of a packet that a filter left undecided. hits/close_calls.h */
-    uint32_t (*decide_lanes)(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
-                             struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters);
-};
-
-/* Traces a block of at most 4x4 rays, and writes their results. */
-typedef void mlrt_trace_block(const struct mlrt_job *job, struct mlrt_worker *worker,
-                              const struct mlrt_rectangle *block, const struct entry_list *list);
-
-/* The functions of an instruction set. */
+/* The functions of an instruction set, for one structure. They are all that is called through a table. */
 struct mlrt_kernels {
     /* Traces the rays of a rectangle that starts at multiples of 4, and writes their results to frame and tile. */
-    void (*trace_tile)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area);
-    int counts; /* the functions add to the worker's counters */
-
-    const struct mlrt_picture_kernels *picture;
-
-    /* Traces a block from the nodes of a list. Only the kernels of the kd-tree: mlrta/block.h */
-    mlrt_trace_block *trace_block;
-
-    /* The kernels of the kd-tree have none of the following. */
-
+    void (*trace_area)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area);
     /*
-     * Traces one ray through a tree whose unit is 1. Returns the number of the triangle that it hits, whose corners are
-     * at *corners, or MLRT_NONE. Kernels that count have NULL. trace/single_ray.h
+     * Traces one ray in float, without counting, and sets the fields of the hit that its query writes. If the unit of
+     * the boxes is 1, the ray meets the box of the scene. Else it is brought into units; if float does not carry it
+     * there, this returns 0 and sets nothing. The kernels of the kd-tree have NULL. trace/one_ray.h
      */
-    uint32_t (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, struct mlrt_corners *corners);
+    int (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit);
     /*
-     * Sets t, u, v and facing of one ray's hit. Returns 0 and sets nothing if the judge has to compute them.
-     * hits/hit_numbers.h
+     * Sets t, u, v and facing of one ray's hit. Returns 0 and sets nothing if the judge has to compute them. Only those
+     * in AVX2, for those in AVX-512. hits/hit_numbers.h
      */
     int (*report_ray)(const struct mlrt_corners *corners, const float origin[3], const float direction[3],
                       struct mlrt_hit_report *report);
-    /* The kernels whose report_ray is used; NULL = the judge is as fast. */
-    const struct mlrt_kernels *reports;
-    /*
-     * Likewise for a ray that is brought into units. `skip` is the number of the triangle that the ray passes through.
-     * Returns 0, and leaves *number, if float does not carry the ray there.
-     */
-    int (*trace_scaled_ray)(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, int any, uint32_t skip,
-                            uint32_t *number);
-    /*
-     * Makes a bundle without rays of the cells of `side` x `side` pixels of a camera's picture (trace/camera_cells.h),
-     * or of the tiles of points that rays from a light lead to (trace/point_cells.h). Returns 0 if that is not
-     * possible.
-     */
-    int (*gather_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
-                        struct mlrt_bundle *bundle);
-    /* Traces a bundle whose packets, or tiles, have no rays yet. trace/tile.h */
-    void (*trace_cells)(const struct mlrt_job *job, struct mlrt_worker *worker, int is_open,
-                        struct mlrt_bundle *bundle);
-    /* Traces the packets `waiting` (bit per place) of a bundle's tile, whose rays are made. trace/tile.h */
-    void (*trace_bundle)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
-                         uint32_t waiting);
-    /* Makes the shadow rays of a packet's hits. Kernels that count have NULL. hits/shadow_packet.h */
-    uint32_t (*make_shadow_packet)(const struct mlrt_job *job, const struct mlrt_packet *seen, uint32_t hit,
-                                   struct mlrt_packet *packet);
 };
-
-/* Method ray, of any structure (hits/finish.c). */
-extern const struct mlrt_kernels mlrt_kernels_ray;
 
 /*
  * The Makefile says which of them are compiled; trace/structure.c and mlrta/structure.c have them by instruction set.
  */
-extern const struct mlrt_kernels mlrt_kernels_kdtree, mlrt_kernels_kdtree_avx2, mlrt_kernels_kdtree_counting;
-extern const struct mlrt_kernels mlrt_kernels_scalar_counting;
+extern const struct mlrt_kernels mlrt_kernels_kdtree_scalar, mlrt_kernels_kdtree_sse, mlrt_kernels_kdtree_avx2;
 extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_sse, mlrt_kernels_avx2, mlrt_kernels_avx512;
-
-/*
- * mlrt_plain_picture is compiled with the kernels that every processor of this kind runs. Kernels that count, and
- * those of the kd-tree, use it too.
- */
-extern const struct mlrt_picture_kernels mlrt_plain_picture, mlrt_picture_avx2, mlrt_picture_avx512;
 
 #endif

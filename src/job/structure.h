@@ -17,6 +17,9 @@ struct mlrt_job;
 struct mlrt_kernels;
 struct mlrt_worker;
 
+/* The narrowest instruction set that a build has. */
+#define MLRT_ISA_NARROWEST (MLRT_SSE_KERNELS ? MLRT_ISA_SSE : MLRT_ISA_SCALAR)
+
 /* The counts of a file, in their order in its header (api/save.c). */
 enum {
     MLRT_SAVED_STRUCTURE, /* MLRT_STRUCTURE_* */
@@ -83,13 +86,14 @@ struct mlrt_structure {
     struct {
         uint8_t method;           /* the default */
         uint8_t methods;          /* bit 1 << MLRT_METHOD_* for each that there is */
-        uint8_t has_lone_kernels; /* kernels that do not count have trace_ray and trace_scaled_ray */
         uint8_t filters_leaves;   /* kernels hide the triangles of leaves from rays with a common mask */
         /* Default sides of the tiles that threads claim: of cameras, rows of pixels in arrays, and lists. */
         uint16_t camera_side, row_side, list_side;
-        /* By MLRT_ISA_*. Where there are none, those of the next narrower set serve. */
+        /*
+         * By MLRT_ISA_*. Where there are none, those of the next narrower set serve. Those of the narrowest set count,
+         * whether or not they are asked to; the others do not.
+         */
         const struct mlrt_kernels *kernels[MLRT_ISA_AVX512 + 1];
-        const struct mlrt_kernels *counting; /* kernels that count */
         /*
          * Lays out and clears what a worker keeps for the kernels, from `memory` on, in whole cache lines. Returns its
          * bytes. With NULL, only returns them.

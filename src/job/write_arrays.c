@@ -100,9 +100,8 @@ void mlrt_make_sink(const mlrt_hits *hits, uint32_t width, int packed_rows, stru
 
 int mlrt_sink_is_empty(const struct mlrt_sink *sink)
 {
-    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
+    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c)
         if (sink->channel[c].data) return 0;
-    }
     return 1;
 }
 
@@ -115,16 +114,20 @@ void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh
     *triangle = number - tree->meshes.first[position];
 }
 
-void mlrt_set_hit(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit)
+void mlrt_set_result(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit)
 {
-    struct mlrt_hit_report report = {INFINITY, 0, 0, 0};
-    if (number != MLRT_NONE) {
-        struct mlrt_ray_segment segment = {.t_max = INFINITY, .mask = MLRT_MASK_ALL};
-        memcpy(segment.origin, ray->given_origin, sizeof segment.origin);
-        memcpy(segment.direction, ray->given_direction, sizeof segment.direction);
-        const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
-        mlrt_report_hit(&segment, &triangle, MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, &report);
+    struct mlrt_hit_report report;
+    struct mlrt_ray_segment segment = {.t_max = INFINITY, .mask = MLRT_MASK_ALL};
+    if (number == MLRT_NONE) {
+        mlrt_set_miss(ray->any, hit);
+        return;
     }
+    hit->occluded = 1;
+    if (ray->any) return;
+    memcpy(segment.origin, ray->given_origin, sizeof segment.origin);
+    memcpy(segment.direction, ray->given_direction, sizeof segment.direction);
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+    mlrt_report_hit(&segment, &triangle, MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, &report);
     mlrt_find_ids(tree, number, &hit->mesh, &hit->triangle);
     hit->t = report.t;
     hit->u = report.u;
@@ -390,9 +393,8 @@ static void prefetch_image(const struct mlrt_sink *sink, const struct mlrt_image
 
 void mlrt_prefetch_sink(const struct mlrt_rectangle *area, const struct mlrt_sink *sink)
 {
-    for (const struct mlrt_sink_group *group = sink->groups; group < sink->groups + sink->group_count; ++group) {
+    for (const struct mlrt_sink_group *group = sink->groups; group < sink->groups + sink->group_count; ++group)
         if (!group->is_same_struct) prefetch_image(sink, &group->image, area);
-    }
     prefetch_image(sink, &sink->channel[MLRT_CHANNEL_OCCLUDED], area);
 }
 
@@ -401,9 +403,8 @@ MLRT_INLINE void fill_quads(uint32_t value, uint32_t quads, uint32_t height, siz
 {
     const uint32_t words[4] = {value, value, value, value};
     const f4 quad = f4_load_any(words);
-    for (; height; --height, row += row_stride) {
+    for (; height; --height, row += row_stride)
         for (uint32_t i = 0; i < quads; ++i) f4_store_any(row + 16 * (size_t)i, quad);
-    }
 }
 
 /* Writes the same words to all structs of a rectangle. */

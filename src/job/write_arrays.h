@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A sink: the arrays that results are written to, those of the caller's frame or of a tile callback.
- */
+/* A sink: the arrays that results are written to, those of the caller's frame or of a tile callback. */
 #ifndef MLRT_JOB_WRITE_ARRAYS_H
 #define MLRT_JOB_WRITE_ARRAYS_H
 
@@ -125,8 +123,8 @@ void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh
 /* rays/lone_ray.h */
 struct mlrt_lone_ray;
 
-/* Sets all of a hit but `occluded`, for triangle `number`; a miss for MLRT_NONE. */
-void mlrt_set_hit(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit);
+/* Sets the fields of a hit that a ray's query writes, for triangle `number`; a miss for MLRT_NONE. */
+void mlrt_set_result(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit);
 
 /* Writes the hits of the first rays of a list, `count` of them, to all channels. */
 void mlrt_write_hits(const mlrt_hit *hits, uint32_t count, const struct mlrt_sink *sink);

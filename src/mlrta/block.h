@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "base/counters.h"
-#include "hits/finish.h"
+#include "hits/blocks.h"
 #include "mlrta/interval_traversal.h"
 #include "mlrta/masked_traversal.h"
 #include "mlrta/triangle_setup.h"
@@ -33,9 +33,9 @@ static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, 
 {
     const uint32_t lanes = mlrt_existing_lanes(&job->source, block);
     struct mlrt_packet packet;
-    mlrt_get_packet(job, block, lanes, &packet);
+    get_packet(job, block, lanes, &packet);
     if (packet.active) trace_active(job, list, &packet, worker);
-    mlrt_end_packet(job, worker, lanes, block, &packet);
+    end_packet(job, worker, lanes, block, &packet);
 }
 
 #endif

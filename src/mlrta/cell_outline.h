@@ -20,7 +20,7 @@
 #include "rays/slope_limits.h"
 
 /* An axis and its sign as one number. */
-MLRT_INLINE uint32_t axis_code(int axis, int negative)
+MLRT_INLINE uint32_t cell_axis_code(int axis, int negative)
 {
     return (uint32_t)axis | (negative ? 4u : 0);
 }

@@ -1,13 +1,126 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The levels of the multi-level method: tiles, their pieces, and packets. levels.c explains them.
+ * The levels: each tile has a beam, and each beam an entry point. The tile is cut into smaller tiles, which search for
+ * entry points of their own from there. Tiles of the smallest size are traced as packets of 4x4 rays from theirs.
+ *
+ * A tile whose rays differ in sign has no beam. It is cut as well, and its pieces start where it started.
+ *
+ * Based on: Reshetov et al. 2005, section 4.2.
  */
 #ifndef MLRT_MLRTA_LEVELS_H
 #define MLRT_MLRTA_LEVELS_H
 
-#include "job/job.h"
+#include "hits/blocks.h"
+#include "mlrta/beam.h"
+#include "mlrta/block.h"
+#include "mlrta/cell_outline.h"
+#include "mlrta/entry_point.h"
 
-/* trace_tile (job/job.h) of all kernels of the kd-tree; packets go to their trace_block. It always counts. */
-void mlrt_trace_kdtree_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile);
+/* Writes the results of a tile for BEAM_MISSES or BEAM_IS_COVERED: none of its rays has to be traced. */
+static void finish_tile(const struct mlrt_job *job, struct mlrt_worker *worker, int found, uint32_t cover,
+                        const struct mlrt_rectangle *tile)
+{
+    ++*(found == BEAM_MISSES ? &worker->counters.missed_beam_count : &worker->counters.covered_beam_count);
+    write_closed(job, worker, found == BEAM_MISSES ? MLRT_NONE : cover, tile);
+}
+
+/* Counts the nodes of `list` and traces the rays of a tile from them. */
+static void enter_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct entry_list *list,
+                       const struct mlrt_rectangle *tile)
+{
+    for (uint32_t i = 0; i < list->count; ++i) {
+        ++worker->counters.entry_point_count;
+        worker->counters.entry_point_depth_sum += list->entries[i].depth;
+    }
+    trace_blocks(job, worker, tile, list, trace_block);
+}
+
+/* Sets the outlines of a list's entries, if the beam has an apex. */
+static void set_entry_outlines(const struct mlrt_beam *beam, struct entry_list *list)
+{
+    if (!beam->has_apex) return;
+    list->axis_code = cell_axis_code(beam->main_axis, beam->negative[beam->main_axis]);
+    for (uint32_t i = 0; i < list->count; ++i) {
+        set_box_outline(&list->entries[i].box, list->axis_code, beam->origin_lo, &list->outlines[i]);
+    }
+}
+
+/* Traces a tile of the smallest size, whose rays may all start at `above`. */
+static void trace_last_level(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
+                             const struct entry_point *above)
+{
+    struct mlrt_beam beam;
+    struct entry_list list;
+    list.count = 1;
+    list.axis_code = NO_OUTLINES;
+    list.entries[0] = *above;
+    if (mlrt_get_beam(&job->source, tile->x, tile->y, tile->width, tile->height, &beam)) {
+        uint32_t cover;
+        const int found = job->multilevel.shortcuts & MLRT_SHORTCUT_ENTRY_LISTS
+                              ? mlrt_find_entry_list(job, &beam, *above, &list, &cover, &worker->counters)
+                              : mlrt_find_entry_point(job, &beam, &list.entries[0], &cover, &worker->counters);
+        if (found != BEAM_ENTERS) {
+            finish_tile(job, worker, found, cover, tile);
+            return;
+        }
+        if (job->multilevel.shortcuts & MLRT_SHORTCUT_ENTRY_LISTS) set_entry_outlines(&beam, &list);
+    }
+    enter_tile(job, worker, &list, tile);
+}
+
+/* Traces a tile whose sides are at most `size`, and whose rays may all start at `above`. */
+static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
+                        uint32_t size, const struct entry_point *above)
+{
+    if (size <= job->multilevel.minimum_tile_size) {
+        trace_last_level(job, worker, tile, above);
+        return;
+    }
+    struct mlrt_beam beam;
+    struct entry_list list;
+    struct entry_point *entry = &list.entries[0];
+    list.count = 1;
+    list.axis_code = NO_OUTLINES;
+    *entry = *above;
+    if (mlrt_get_beam(&job->source, tile->x, tile->y, tile->width, tile->height, &beam)) {
+        uint32_t cover;
+        const int found = mlrt_find_entry_point(job, &beam, entry, &cover, &worker->counters);
+        if (found != BEAM_ENTERS) {
+            finish_tile(job, worker, found, cover, tile);
+            return;
+        }
+        if (mlrt_node_is_leaf(&job->tree->kdtree.nodes[entry->node])) {
+            enter_tile(job, worker, &list, tile);
+            return;
+        }
+    }
+    uint32_t side = size / job->multilevel.split_divisor;
+    if (side < job->multilevel.minimum_tile_size) side = job->multilevel.minimum_tile_size;
+    for (uint32_t j = 0; j < tile->height; j += side) {
+        for (uint32_t i = 0; i < tile->width; i += side) {
+            const struct mlrt_rectangle piece = mlrt_cut_piece(tile, i, j, side);
+            trace_level(job, worker, &piece, side, entry);
+        }
+    }
+}
+
+/* Traces a part of a picture that starts at multiples of 4, and writes its results. */
+static void trace_kdtree_area(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile)
+{
+    struct entry_list root;
+    if (job->method == MLRT_METHOD_RAY || !job->tree->kdtree.float_safe) {
+        trace_by_rays(job, worker, tile);
+        return;
+    }
+    root.count = 1;
+    root.axis_code = NO_OUTLINES;
+    root.entries[0] = (struct entry_point){0, 0, job->tree->bounds};
+    COUNT(&worker->counters, ray_count, mlrt_count_rays(&job->source, tile));
+    if (job->method == MLRT_METHOD_MULTILEVEL) {
+        trace_level(job, worker, tile, job->initial_tile_size, &root.entries[0]);
+    } else {
+        trace_blocks(job, worker, tile, &root, trace_block);
+    }
+}
 
 #endif

@@ -7,6 +7,7 @@
 #define MLRT_MLRTA_PACKET_FILTER_H
 
 #include "base/counters.h"
+#include "hits/close_calls.h"
 #include "hits/outcome.h"
 #include "hits/triangle_filter.h"
 #include "mlrta/ray_group.h"
@@ -138,8 +139,8 @@ MLRT_INLINE uint32_t test_triangle(const struct mlrt_job *job, uint32_t number, 
 {
     const struct outcome outcome = filter_lanes(job->tree, number, apex_terms, group, lanes, packet, worker);
     if (MLRT_LIKELY(!outcome.undecided)) return outcome.nearer;
-    return outcome.nearer | job->kernels->picture->decide_lanes(job->tree, number, outcome.undecided, outcome.inside,
-                                                                packet, worker, COUNTERS(worker));
+    return outcome.nearer | decide_lanes(job->tree, number, outcome.undecided, outcome.inside, packet, worker,
+                                         COUNTERS(worker));
 }
 
 /* test_triangle for rays of a common origin, and for rays of different origins. */

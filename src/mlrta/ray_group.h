@@ -183,7 +183,7 @@ MLRT_INLINE void set_main_axis(struct ray_group *group)
     const float x = group->axis[0].reach, y = group->axis[1].reach, z = group->axis[2].reach;
     const int a = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
     const float other = 2 * larger_of(group->axis[(a + 1) % 3].reach, group->axis[(a + 2) % 3].reach);
-    group->axis_code = axis_code(a, (int)group->axis[a].negative);
+    group->axis_code = cell_axis_code(a, (int)group->axis[a].negative);
     group->reach = larger_of(group->axis[a].reach, other);
 }
 

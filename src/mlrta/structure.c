@@ -70,12 +70,11 @@ const struct mlrt_structure mlrt_structure_kdtree = {
                .camera_side = 128,
                .row_side = 32, /* a beam needs a pass over the rays of arrays, so there is one level */
                .list_side = 32,
-#if MLRT_HAVE_SSE
-               .kernels = {[MLRT_ISA_SCALAR] = &mlrt_kernels_kdtree, [MLRT_ISA_AVX2] = &mlrt_kernels_kdtree_avx2},
+#if MLRT_SSE_KERNELS
+               .kernels = {[MLRT_ISA_SSE] = &mlrt_kernels_kdtree_sse, [MLRT_ISA_AVX2] = &mlrt_kernels_kdtree_avx2},
 #else
-               .kernels = {[MLRT_ISA_SCALAR] = &mlrt_kernels_kdtree},
+               .kernels = {[MLRT_ISA_SCALAR] = &mlrt_kernels_kdtree_scalar},
 #endif
-               .counting = &mlrt_kernels_kdtree_counting,
                .lay_out = lay_out,
                .trace_ray = mlrt_trace_cells},
 };

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The layouts of a source's arrays: see array_layout.h.
- */
+/* The layouts of a source's arrays: see array_layout.h. */
 #include "rays/array_layout.h"
 
 static MLRT_NOINLINE void lay_out_array(const mlrt_const_array *array, uint32_t group, size_t row_length,

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Where the arrays of a source have the rays of its blocks, for read_arrays.h.
- */
+/* Where the arrays of a source have the rays of its blocks, for read_arrays.h. */
 #ifndef MLRT_RAYS_ARRAY_LAYOUT_H
 #define MLRT_RAYS_ARRAY_LAYOUT_H
 

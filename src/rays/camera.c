@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The check of a camera. The formula of its rays is in camera.h.
- */
+/* The check of a camera. The formula of its rays is in camera.h. */
 #include "rays/camera.h"
 
 #include <float.h>
@@ -52,9 +50,8 @@ static int32_t check_numbers(const mlrt_camera *camera, int is_parallel)
     const int form = is_parallel ? MLRT_FORM_PARALLEL : MLRT_FORM_PINHOLE;
     const int32_t status = mlrt_check_fields(form, "camera", 0, camera);
     if (status != MLRT_OK) return status;
-    if (is_parallel && is_zero_vector(camera->direction)) {
+    if (is_parallel && is_zero_vector(camera->direction))
         return mlrt_fail(MLRT_ERROR_CAMERA, "camera.direction: all of it is 0");
-    }
     if (spans_plane(camera->dx, camera->dy)) return MLRT_OK;
     return mlrt_fail(MLRT_ERROR_CAMERA, "camera.dx: it is parallel to dy, or one of them is 0");
 }
@@ -63,9 +60,8 @@ int32_t mlrt_make_view(const mlrt_camera *camera, struct mlrt_view *view)
 {
     view->parallel = camera->projection == MLRT_PROJECTION_PARALLEL;
     int32_t status = resolve_length("x", "width", camera->width, camera->crop_x, camera->crop_width, &view->width);
-    if (status == MLRT_OK) {
+    if (status == MLRT_OK)
         status = resolve_length("y", "height", camera->height, camera->crop_y, camera->crop_height, &view->height);
-    }
     if (status == MLRT_OK && (uint64_t)view->width * view->height > INT32_MAX) {
         status =
             mlrt_fail(MLRT_ERROR_TOO_LARGE, "camera.crop_width: %lu x crop_height %lu are more pixels than 2147483647",

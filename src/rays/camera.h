@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The camera: the formula that makes the ray of a pixel (rule R7).
- */
+/* The camera: the formula that makes the ray of a pixel (rule R7). */
 #ifndef MLRT_RAYS_CAMERA_H
 #define MLRT_RAYS_CAMERA_H
 

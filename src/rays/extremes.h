@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The least and the greatest of two numbers, of chosen lanes of sixteen, and of vectors lane by lane.
- */
+/* The least and the greatest of two numbers, of chosen lanes of sixteen, and of vectors lane by lane. */
 #ifndef MLRT_RAYS_EXTREMES_H
 #define MLRT_RAYS_EXTREMES_H
 
@@ -20,9 +18,8 @@ MLRT_INLINE float larger_of(float a, float b)
 MLRT_INLINE float lowest(const float *values, uint32_t lanes)
 {
     vf all = v_set1(INFINITY);
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW)
         all = v_min(v_select(m_from_bits(lanes >> v), v_load(values + v), v_set1(INFINITY)), all);
-    }
     return v_hmin(all);
 }
 
@@ -30,9 +27,8 @@ MLRT_INLINE float lowest(const float *values, uint32_t lanes)
 MLRT_INLINE float highest(const float *values, uint32_t lanes)
 {
     vf all = v_set1(-INFINITY);
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW)
         all = v_max(v_select(m_from_bits(lanes >> v), v_load(values + v), v_set1(-INFINITY)), all);
-    }
     return v_hmax(all);
 }
 

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The rays of a block, of any source.
- */
+/* The rays of a block, of any source. */
 #ifndef MLRT_RAYS_FETCH_BLOCK_H
 #define MLRT_RAYS_FETCH_BLOCK_H
 
@@ -19,7 +17,7 @@ static void fetch_block(const struct mlrt_source *source, const struct mlrt_rect
 {
     if (mlrt_is_pinhole(source)) {
         get_pinhole_packet(&source->view, block->x, block->y, lanes, packet);
-        if (MLRT_UNLIKELY(source->has_masks)) mlrt_set_common_mask(source, packet);
+        if (MLRT_UNLIKELY(source->has_masks)) mlrt_fetch_masks(source, block->x, block->y, lanes, packet);
     } else {
         mlrt_fetch_packet(source, block->x, block->y, lanes, packet);
     }

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * One ray of a call of its own, with numbers that float carries.
- */
+/* One ray of a call of its own, with numbers that float carries. */
 #ifndef MLRT_RAYS_LONE_RAY_H
 #define MLRT_RAYS_LONE_RAY_H
 
+#include <math.h>
 #include <stdint.h>
 
 #include "base/platform.h"
+#include "exact/segment.h"
+#include "mlrt.h"
 
 /* job/job.h */
 struct mlrt_kernels;
@@ -27,5 +28,24 @@ struct mlrt_lone_ray {
     const float *given_origin;
     const float *given_direction;
 };
+
+/* Sets a ray as it is traced in double. Returns 0 if it can hit nothing. */
+static inline int mlrt_get_lone_segment(const struct mlrt_lone_ray *ray, struct mlrt_ray_segment *segment)
+{
+    if (!mlrt_make_segment(ray->given_origin, ray->given_direction, ray->t_min, ray->t_max, segment)) return 0;
+    segment->mask = ray->mask;
+    return 1;
+}
+
+/* Sets the fields of a hit that the query writes, for a miss. */
+static inline void mlrt_set_miss(int any, mlrt_hit *hit)
+{
+    hit->occluded = 0;
+    if (any) return;
+    hit->t = INFINITY;
+    hit->u = hit->v = 0;
+    hit->mesh = hit->triangle = MLRT_NONE;
+    hit->facing = 0;
+}
 
 #endif

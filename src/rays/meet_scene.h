@@ -76,9 +76,8 @@ MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const struct mlrt_box *bo
     const f4 to_hi = f4_mul(f4_sub(mlrt_load_three(box->hi), origin), reciprocal);
     const f4 near = f4_max(f4_min(to_hi, to_lo), f4_set1(given_t_min));
     const f4 far = f4_min(f4_max(to_lo, to_hi), f4_set1(t_max < 0x1p126f ? t_max : 0x1p126f));
-    if (f4_hmax(near) > f4_hmin(far) * (1 + 2 * RECIPROCAL_SLACK) + 0x1p-126f) {
+    if (f4_hmax(near) > f4_hmin(far) * (1 + 2 * RECIPROCAL_SLACK) + 0x1p-126f)
         return is_usual && has_quiet_limits(given_t_min, t_max) ? MLRT_LONE_RAY_QUIET_MISS : MLRT_LONE_RAY_MISSES;
-    }
     const float t_min = given_t_min < 0 ? 0 : given_t_min;
     if (!(t_min < t_max) || f4_zeros(direction) == 15) return MLRT_LONE_RAY_MISSES;
     f4_store(ray->origin, origin);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Reads rays from the caller's arrays, of any strides, a whole block of 4x4 rays at a time, with vectors. Blocks that
- * are cut off, rays with masks, and sources where blocks share origins unevenly are read by source.c.
+ * are cut off, and sources where blocks share origins unevenly are read by source.c.
  */
 #ifndef MLRT_RAYS_READ_ARRAYS_H
 #define MLRT_RAYS_READ_ARRAYS_H
@@ -86,9 +86,8 @@ static MLRT_NOINLINE void read_vectors(const struct mlrt_array_layout *layout, c
 static MLRT_NOINLINE void read_floats_of(const struct mlrt_array_layout *layout, size_t element, float *row)
 {
     const unsigned char *first = layout->data + element * layout->stride;
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW)
         v_store(row + v, v_floats_at(first + offset_of_lane(layout, v), layout->step, layout->row_step));
-    }
 }
 
 /* Reads a number of each lane; `standard` if there is no array. */
@@ -127,7 +126,7 @@ static void read_skips(const struct mlrt_array_layout *skip, size_t element, con
     if (MLRT_UNLIKELY(others)) mlrt_number_skips(tree, packet);
 }
 
-/* Reads the rays of a whole block, of a source without masks. */
+/* Reads the rays of a whole block. */
 static void read_whole_block(const struct mlrt_array_reader *reader, uint32_t x, uint32_t y, struct known_mesh *known,
                              struct mlrt_packet *packet)
 {
@@ -152,6 +151,7 @@ static void read_whole_block(const struct mlrt_array_reader *reader, uint32_t x,
     if (!t_max) read_floats(&reader->t_max, ray, packet->has_apex ? 1 : INFINITY, packet->t_max);
     packet->has_limits = reader->t_min.data || reader->t_max.data;
     packet->has_masks = 0;
+    if (MLRT_UNLIKELY(source->has_masks)) mlrt_fetch_masks(source, x, y, 0xFFFF, packet);
     packet->has_skip = reader->skip.data != NULL;
     if (packet->has_skip) read_skips(&reader->skip, origin, source->tree, known, packet);
 }

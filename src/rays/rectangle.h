@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Rectangles of a picture: tiles, and blocks of 4x4 rays.
- */
+/* Rectangles of a picture: tiles, and blocks of 4x4 rays. */
 #ifndef MLRT_RAYS_RECTANGLE_H
 #define MLRT_RAYS_RECTANGLE_H
 

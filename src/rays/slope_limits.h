@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Limits of slopes as seen from an apex or a waist, for the kernels and for the files that make cells.
- */
+/* Limits of slopes as seen from an apex or a waist, for the kernels and for the files that make cells. */
 #ifndef MLRT_RAYS_SLOPE_LIMITS_H
 #define MLRT_RAYS_SLOPE_LIMITS_H
 

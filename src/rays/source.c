@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sources of rays: reads their rays one by one or sixteen at a time.
- *
- * Arrays are aligned to 4 bytes only and have any stride, and no byte outside their elements may be read. A whole block
- * is read as four rows of four neighbours, other blocks element by element. check_packet.h checks the rays that were
- * read.
+ * Sources of rays: reads their rays one by one, or those of a block into a packet, element by element: arrays are
+ * aligned to 4 bytes only and have any stride, and no byte outside their elements may be read. read_arrays.h reads whole
+ * blocks of most arrays with vectors. check_packet.h checks the rays that were read.
  */
 #include "rays/source.h"
 
@@ -246,113 +244,39 @@ int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struc
 /* ---- packets ---- */
 
 /*
- * A block of at most 4x4 elements: its first element, the distance between its rows, and the lanes that exist, the
- * first among them. Past the end of a short last row no lane exists; then `first` is 0.
+ * The elements of a block's lanes, in arrays with one for each ray and in those with one for each origin. Lanes that do
+ * not exist have those of the block's first ray, or if no lane exists, of ray 0.
  */
 struct block {
-    uint32_t first;
-    uint32_t row_length;
-    uint32_t lanes;
+    uint32_t of_ray[MLRT_PACKET_RAYS];
+    uint32_t of_origin[MLRT_PACKET_RAYS];
 };
 
-/* The element of a lane. Lanes that do not exist get the block's first, since no byte outside elements may be read. */
-MLRT_INLINE uint32_t element_of_lane(const struct block *block, uint32_t lane)
+static void find_elements(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes, struct block *block)
 {
-    const uint32_t column = (lane & 1) | (lane >> 1 & 2), row = (lane >> 1 & 1) | (lane >> 2 & 2);
-    return block->first + (block->lanes >> lane & 1 ? row * block->row_length + column : 0);
-}
-
-/* Stores two rows of a block, an even one and the next, in the order of lanes: as two squares of 2x2. */
-MLRT_INLINE void put_rows(f4 even, f4 odd, void *lanes)
-{
-    f4_store_any(lanes, f4_low(even, odd));
-    f4_store_any((unsigned char *)lanes + 16, f4_high(even, odd));
-}
-
-/* A row of four elements: its first, and the bytes from one to the next. */
-struct row {
-    const unsigned char *at;
-    size_t step;
-};
-
-/* The lanes of each row of a block. */
-static const uint16_t lanes_of_row[4] = {0x0033, 0x00CC, 0x3300, 0xCC00};
-
-/*
- * A row of which lanes are cut off, or where rays share elements and not whole rows do. Copies its elements, which have
- * `word_count` words, to `room`. Without lanes it has the block's first element four times.
- */
-static MLRT_NOINLINE struct row row_of_odd_block(const mlrt_const_array *array, const struct block *block,
-                                                 uint32_t group, uint32_t row, uint32_t word_count, float room[4][4])
-{
-    const struct row first = {(const unsigned char *)float_at(array, element_of_ray(block->first, group)), 0};
-    if (!(block->lanes & lanes_of_row[row])) return first;
-    for (uint32_t column = 0; column < 4; ++column) {
-        const uint32_t lane = (column & 1) | (row & 1) << 1 | (column & 2) << 1 | (row & 2) << 2;
-        const float *element = float_at(array, element_of_ray(element_of_lane(block, lane), group));
-        for (uint32_t k = 0; k < word_count; ++k) memcpy(&room[column][k], element + k, 4);
-    }
-    return (struct row){(const unsigned char *)room, sizeof *room};
-}
-
-/* A row of a block in an array that has an element of `word_count` words for each `group` rays. `room` may be used. */
-MLRT_INLINE struct row row_of_block(const mlrt_const_array *array, const struct block *block, uint32_t group,
-                                    uint32_t row, uint32_t word_count, float room[4][4])
-{
-    const uint32_t lanes = lanes_of_row[row];
-    if (MLRT_UNLIKELY((block->lanes & lanes) != lanes || group % 4 > (group == 1))) {
-        return row_of_odd_block(array, block, group, row, word_count, room);
-    }
-    const uint32_t element = element_of_ray(block->first + row * block->row_length, group);
-    return (struct row){(const unsigned char *)float_at(array, element), group == 1 ? array->stride : 0};
-}
-
-/* Loads the first words of the four elements of a row: 1, 2 or 3 of each. words[k] receives word k of all four. */
-MLRT_INLINE void load_row(struct row row, int word_count, f4 words[3])
-{
-    const float *at = (const float *)(const void *)row.at;
-    const size_t step = row.step / sizeof *at;
-    if (word_count == 3) {
-        if (MLRT_LIKELY(step == 3)) {
-            f4_triples(at, words);
-        } else {
-            f4_gather_triples(at, step, words);
-        }
-        return;
-    }
-    if (word_count == 1) {
-        words[0] = step == 1 ? f4_load_any(at) : f4_gather(at, step);
-        return;
-    }
-    uint32_t pairs[8];
-    if (MLRT_UNLIKELY(step != 2)) {
-        for (int i = 0; i < 4; ++i) memcpy(pairs + 2 * i, row.at + i * row.step, 8);
-        row.at = (const unsigned char *)pairs;
-    }
-    const f4 low = f4_load_any(row.at), high = f4_load_any(row.at + 16);
-    words[0] = f4_evens(low, high);
-    words[1] = f4_odds(low, high);
-}
-
-/* Reads the elements of a block: word k of lane l to words[k][l]. The array has an element for each `group` rays. */
-MLRT_INLINE void fetch_words(const mlrt_const_array *array, const struct block *block, uint32_t group, int word_count,
-                             unsigned char *const *words)
-{
-    float room[4][4];
-    for (uint32_t row = 0; row < 4; row += 2) {
-        f4 even[3], odd[3];
-        load_row(row_of_block(array, block, group, row, (uint32_t)word_count, room), word_count, even);
-        load_row(row_of_block(array, block, group, row + 1, (uint32_t)word_count, room), word_count, odd);
-        for (int k = 0; k < word_count; ++k) put_rows(even[k], odd[k], words[k] + 16 * row);
+    const uint32_t first = lanes ? y * source->width + x : 0;
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const uint32_t column = (lane & 1) | (lane >> 1 & 2), row = (lane >> 1 & 1) | (lane >> 2 & 2);
+        block->of_ray[lane] = first + (lanes >> lane & 1 ? row * source->width + column : 0);
+        block->of_origin[lane] = element_of_ray(block->of_ray[lane], source->arrays.rays_per_origin);
     }
 }
 
-static void fetch_vectors(const mlrt_const_array *array, const struct block *block, uint32_t group,
+/* Reads elements of `word_count` words: word k of lane l to words[k][l]. */
+MLRT_INLINE void fetch_words(const mlrt_const_array *array, const uint32_t elements[MLRT_PACKET_RAYS], int word_count,
+                             float (*words)[MLRT_PACKET_RAYS])
+{
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const float *element = float_at(array, elements[lane]);
+        MLRT_UNROLL
+        for (int k = 0; k < word_count; ++k) memcpy(&words[k][lane], element + k, 4);
+    }
+}
+
+static void fetch_vectors(const mlrt_const_array *array, const uint32_t elements[MLRT_PACKET_RAYS],
                           float vectors[3][MLRT_PACKET_RAYS])
 {
-    unsigned char *const words[] = {(unsigned char *)vectors[0], (unsigned char *)vectors[1],
-                                    (unsigned char *)vectors[2]};
-    fetch_words(array, block, group, 3, words);
+    fetch_words(array, elements, 3, vectors);
 }
 
 MLRT_INLINE void fill(float value, float numbers[MLRT_PACKET_RAYS])
@@ -361,25 +285,13 @@ MLRT_INLINE void fill(float value, float numbers[MLRT_PACKET_RAYS])
 }
 
 /* Reads the numbers of a block; without an array, all are `standard`. */
-MLRT_INLINE void fetch_numbers(const mlrt_const_array *array, const struct block *block, uint32_t group, float standard,
-                               float numbers[MLRT_PACKET_RAYS])
+static void fetch_numbers(const mlrt_const_array *array, const uint32_t elements[MLRT_PACKET_RAYS], float standard,
+                          float numbers[MLRT_PACKET_RAYS])
 {
-    if (!array->data) {
+    if (array->data)
+        fetch_words(array, elements, 1, (float(*)[MLRT_PACKET_RAYS])(void *)numbers);
+    else
         fill(standard, numbers);
-        return;
-    }
-    fetch_words(array, block, group, 1, (unsigned char *const[]){(unsigned char *)numbers});
-}
-
-void mlrt_fetch_skips(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
-                      struct mlrt_packet *packet)
-{
-    const mlrt_const_array *array = &source->arrays.skip;
-    const struct block block = {lanes ? y * source->width + x : 0, source->width, lanes};
-    packet->has_skip = array->data != NULL;
-    if (!array->data) return;
-    unsigned char *const words[] = {(unsigned char *)packet->skip_mesh, (unsigned char *)packet->skip};
-    fetch_words(array, &block, source->arrays.rays_per_origin, 2, words);
 }
 
 static void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t y, struct mlrt_packet *packet)
@@ -399,13 +311,12 @@ static void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t
 static void fetch_light_rays(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
 {
     const int is_point = source->kind == MLRT_SOURCE_POINT_LIGHT;
-    fetch_vectors(&source->arrays.points, block, 1, is_point ? packet->direction : packet->origin);
+    fetch_vectors(&source->arrays.points, block->of_ray, is_point ? packet->direction : packet->origin);
     for (int k = 0; k < 3; ++k) {
         const f4 light = f4_set1(source->light[k]);
         float *direction = packet->direction[k];
-        for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4) {
+        for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4)
             f4_store(direction + lane, is_point ? f4_sub(f4_load(direction + lane), light) : light);
-        }
     }
     fill(0, packet->t_min);
     fill(is_point ? 1 : INFINITY, packet->t_max);
@@ -413,43 +324,44 @@ static void fetch_light_rays(const struct mlrt_source *source, const struct bloc
     memcpy(packet->apex, source->light, sizeof packet->apex);
 }
 
-/* Sets the masks of all rays. Those of lanes that do not exist are not specified. */
-static void fetch_masks(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
+void mlrt_fetch_masks(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
+                      struct mlrt_packet *packet)
 {
-    mlrt_set_common_mask(source, packet);
-    for (uint32_t lane = 0; source->arrays.mask.data && lane < MLRT_PACKET_RAYS; ++lane) {
-        packet->mask[lane] = mask_at(source, element_of_lane(block, lane));
-    }
-}
-
-void mlrt_set_common_mask(const struct mlrt_source *source, struct mlrt_packet *packet)
-{
+    struct block block;
+    if (source->arrays.mask.data) find_elements(source, x, y, lanes, &block);
     packet->has_masks = 1;
-    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) packet->mask[lane] = source->common_mask;
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane)
+        packet->mask[lane] = source->arrays.mask.data ? mask_at(source, block.of_ray[lane]) : source->common_mask;
 }
 
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                        struct mlrt_packet *packet)
 {
-    const struct block block = {lanes ? y * source->width + x : 0, source->width, lanes};
     packet->has_apex = packet->has_skip = packet->has_limits = 0;
     packet->has_masks = 0;
-    if (MLRT_UNLIKELY(source->has_masks)) fetch_masks(source, &block, packet);
+    if (MLRT_UNLIKELY(source->has_masks)) mlrt_fetch_masks(source, x, y, lanes, packet);
     if (source->kind == MLRT_SOURCE_CAMERA) {
         packet->has_limits = source->view.t_min > 0;
         fetch_camera_rays(&source->view, x, y, packet);
         return;
     }
+    struct block block;
+    find_elements(source, x, y, lanes, &block);
     if (source->kind == MLRT_SOURCE_RAYS) {
         packet->has_limits = source->arrays.t_min.data || source->arrays.t_max.data;
-        fetch_vectors(&source->arrays.points, &block, source->arrays.rays_per_origin, packet->origin);
-        fetch_vectors(&source->arrays.directions, &block, 1, packet->direction);
-        fetch_numbers(&source->arrays.t_min, &block, source->arrays.rays_per_origin, 0, packet->t_min);
-        fetch_numbers(&source->arrays.t_max, &block, 1, INFINITY, packet->t_max);
+        fetch_vectors(&source->arrays.points, block.of_origin, packet->origin);
+        fetch_vectors(&source->arrays.directions, block.of_ray, packet->direction);
+        fetch_numbers(&source->arrays.t_min, block.of_origin, 0, packet->t_min);
+        fetch_numbers(&source->arrays.t_max, block.of_ray, INFINITY, packet->t_max);
     } else {
         fetch_light_rays(source, &block, packet);
     }
-    mlrt_fetch_skips(source, x, y, lanes, packet);
+    packet->has_skip = source->arrays.skip.data != NULL;
+    for (int lane = 0; packet->has_skip && lane < MLRT_PACKET_RAYS; ++lane) {
+        const float *pair = float_at(&source->arrays.skip, block.of_origin[lane]);
+        memcpy(&packet->skip_mesh[lane], pair, 4);
+        memcpy(&packet->skip[lane], pair + 1, 4);
+    }
 }
 
 void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
@@ -469,7 +381,7 @@ uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32
         const uint64_t first = (y + (uint64_t)row) * source->width + x;
         if (first >= source->count) break;
         const uint64_t left = source->count - first;
-        inside |= lanes_of_row[row] & mlrt_block_lanes(left < 4 ? (uint32_t)left : 4, 4);
+        inside |= mlrt_block_lanes(left < 4 ? (uint32_t)left : 4, row + 1) & ~mlrt_block_lanes(4, row);
     }
     return lanes & inside;
 }

@@ -120,15 +120,12 @@ static inline int mlrt_is_pinhole(const struct mlrt_source *source)
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                        struct mlrt_packet *packet);
 
-/* Reads has_skip, skip_mesh and skip alone. */
-void mlrt_fetch_skips(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
-                      struct mlrt_packet *packet);
-
 /* Turns the pairs skip_mesh and skip, as read, into triangle numbers in skip. */
 void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet);
 
-/* Gives all rays of a packet the common mask of the source. */
-void mlrt_set_common_mask(const struct mlrt_source *source, struct mlrt_packet *packet);
+/* Reads the masks alone, of a source that has some: an array, or one for all rays. */
+void mlrt_fetch_masks(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
+                      struct mlrt_packet *packet);
 
 /* Of the lanes of a block at (x, y), those whose rays are not past the end of a list. */
 uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes);

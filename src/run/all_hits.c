@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * All hits of rays: one ray after the other. Workers claim pieces of ITEM_RAYS rays.
- */
+/* All hits of rays: one ray after the other. Workers claim pieces of ITEM_RAYS rays. */
 #include "run/all_hits.h"
 
 #include <math.h>
@@ -84,9 +82,7 @@ static uint32_t count_crossings(const struct run *run, const struct mlrt_ray_seg
                                 const struct mlrt_hit_list *list)
 {
     uint32_t count = 0;
-    for (uint32_t i = 0; i < list->count; ++i) {
-        count += (uint32_t)crosses(run, ray, list->hits[i].triangle);
-    }
+    for (uint32_t i = 0; i < list->count; ++i) count += (uint32_t)crosses(run, ray, list->hits[i].triangle);
     return count;
 }
 
@@ -122,9 +118,8 @@ static int trace_ray(const struct run *run, struct worker *worker, uint32_t i)
 
 static MLRT_NOINLINE int trace_rays(const struct run *run, struct worker *worker, uint32_t begin, uint32_t end)
 {
-    for (uint32_t i = begin; i < end; ++i) {
+    for (uint32_t i = begin; i < end; ++i)
         if (!trace_ray(run, worker, i)) return 0;
-    }
     return 1;
 }
 

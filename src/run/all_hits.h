@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * All hits of rays, into the caller's arrays.
- */
+/* All hits of rays, into the caller's arrays. */
 #ifndef MLRT_RUN_ALL_HITS_H
 #define MLRT_RUN_ALL_HITS_H
 

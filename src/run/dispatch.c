@@ -3,15 +3,15 @@
  * Which processor gets which kernels. Instruction sets are looked up once per process: CPUID takes long in a virtual
  * machine.
  *
- * With counters, the scalar kernels run, which do the same work in more steps: counting kernels for every instruction
- * set would nearly double the size of the library. If there is SSE, the scalar kernels serve no other purpose and
- * always count. Those of the kd-tree that count are in SSE2 (plain C without it).
+ * With counters, the kernels of the narrowest instruction set run: SSE2, or plain C where there is none. They count in
+ * all calls, which takes 1 or 2 % of their time. Counting kernels for every instruction set would nearly double the
+ * size of the library.
  */
 #include "run/dispatch.h"
 
 #include "job/job.h"
 
-#if MLRT_HAVE_SSE
+#if MLRT_SSE_KERNELS
 #include <cpuid.h>
 
 /* Bits of the wide registers that the operating system saves (XCR0). */
@@ -62,12 +62,10 @@ const struct mlrt_kernels *mlrt_select_kernels(const struct mlrt_structure *stru
                                                int counting)
 {
     const int32_t widest = widest_isa();
-    if (isa > widest) return NULL;
     if (isa == MLRT_ISA_AUTO) isa = widest;
-    if (method == MLRT_METHOD_RAY) return &mlrt_kernels_ray;
-    if (counting) return structure->tracer.counting;
+    if (isa > widest || isa < MLRT_ISA_NARROWEST) return NULL;
     /* Squares of 2x2 rays have four lanes, so packets of them gain nothing from eight. */
-    if (method == MLRT_METHOD_PACKET2 && isa > MLRT_ISA_SSE) isa = MLRT_ISA_SSE;
+    if (counting || method == MLRT_METHOD_PACKET2) return structure->tracer.kernels[MLRT_ISA_NARROWEST];
     while (!structure->tracer.kernels[isa]) --isa;
     return structure->tracer.kernels[isa];
 }

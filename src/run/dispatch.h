@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Which processor gets which kernels.
- */
+/* Which processor gets which kernels. */
 #ifndef MLRT_RUN_DISPATCH_H
 #define MLRT_RUN_DISPATCH_H
 
@@ -14,9 +12,7 @@
 const struct mlrt_kernels *mlrt_select_kernels(const struct mlrt_structure *structure, int32_t isa, int32_t method,
                                                int counting);
 
-/*
- * The kernels for the widest instruction set of this machine, of a structure that has lone kernels. They do not count.
- */
+/* The kernels for the widest instruction set of this machine. */
 const struct mlrt_kernels *mlrt_widest_kernels(const struct mlrt_structure *structure);
 
 #endif

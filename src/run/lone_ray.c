@@ -9,35 +9,16 @@
 #include "run/dispatch.h"
 #include "scene/tree.h"
 
-/* Sets the fields of a hit that the query writes, for triangle `number`, or for a miss if it is MLRT_NONE. */
-static void set_result(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit)
-{
-    if (number == MLRT_NONE) {
-        mlrt_set_miss(ray->any, hit);
-        return;
-    }
-    hit->occluded = 1;
-    if (!ray->any) mlrt_set_hit(tree, ray, number, hit);
-}
-
-/* Sets a ray as it is traced in double. Returns 0 if it can hit nothing. */
-static int get_segment(const struct mlrt_lone_ray *ray, struct mlrt_ray_segment *segment)
-{
-    if (!mlrt_make_segment(ray->given_origin, ray->given_direction, ray->t_min, ray->t_max, segment)) return 0;
-    segment->mask = ray->mask;
-    return 1;
-}
-
 void mlrt_trace_by_ray(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_counters *counters, mlrt_hit *hit)
 {
     struct mlrt_ray_segment segment;
     uint32_t number = MLRT_NONE;
     if (counters) ++counters->ray_count;
-    if (get_segment(ray, &segment)) {
+    if (mlrt_get_lone_segment(ray, &segment)) {
         if (counters) ++counters->packet_count;
         number = tree->structure->tracer.trace_ray(tree, &segment, ray->skip, ray->any, NULL, counters);
     }
-    set_result(tree, ray, number, hit);
+    mlrt_set_result(tree, ray, number, hit);
 }
 
 static const struct mlrt_kernels *kernels_of(const mlrt_tree *tree, const struct mlrt_lone_ray *ray)
@@ -54,41 +35,16 @@ static MLRT_NOINLINE int trace_in_double(const mlrt_tree *tree, const struct mlr
     return 0;
 }
 
-/* Traces one ray through boxes whose unit is not 1. */
-static MLRT_NOINLINE int trace_in_units(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
-{
-    struct mlrt_ray_segment segment;
-    uint32_t number = MLRT_NONE;
-    if (tree->bvh.node_count > 0 && get_segment(ray, &segment) &&
-        !kernels_of(tree, ray)->trace_scaled_ray(tree, &segment, ray->any, ray->skip, &number)) {
-        return trace_in_double(tree, ray, hit);
-    }
-    set_result(tree, ray, number, hit);
-    return 0;
-}
-
 void mlrt_trace_in_scene(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
-    const struct mlrt_kernels *kernels = kernels_of(tree, ray);
-    struct mlrt_corners corners;
-    struct mlrt_hit_report report;
-    const uint32_t number = tree->bvh.node_count > 0 ? kernels->trace_ray(tree, ray, &corners) : MLRT_NONE;
-    if (number == MLRT_NONE || ray->any || !kernels->reports ||
-        MLRT_UNLIKELY(!kernels->reports->report_ray(&corners, ray->origin, ray->direction, &report))) {
-        set_result(tree, ray, number, hit);
-        return;
-    }
-    mlrt_find_ids(tree, number, &hit->mesh, &hit->triangle);
-    hit->t = report.t;
-    hit->u = report.u;
-    hit->v = report.v;
-    hit->facing = report.facing;
-    hit->occluded = 1;
+    (void)kernels_of(tree, ray)->trace_ray(tree, ray, hit);
 }
 
 int mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
-    if (MLRT_UNLIKELY(tree->bvh.unit != 1)) return trace_in_units(tree, ray, hit);
+    if (MLRT_UNLIKELY(tree->bvh.unit != 1)) {
+        return kernels_of(tree, ray)->trace_ray(tree, ray, hit) ? 0 : trace_in_double(tree, ray, hit);
+    }
     switch (
         mlrt_take_lone_ray(&tree->bvh.whole, ray->given_origin, ray->given_direction, ray->t_min, ray->t_max, ray)) {
     case MLRT_LONE_RAY_MAY_HIT:

@@ -6,21 +6,8 @@
 #ifndef MLRT_RUN_LONE_RAY_H
 #define MLRT_RUN_LONE_RAY_H
 
-#include <math.h>
-
 #include "mlrt.h"
 #include "rays/lone_ray.h"
-
-/* Sets the fields of a hit that the query writes, for a miss. */
-static inline void mlrt_set_miss(int any, mlrt_hit *hit)
-{
-    hit->occluded = 0;
-    if (any) return;
-    hit->t = INFINITY;
-    hit->u = hit->v = 0;
-    hit->mesh = hit->triangle = MLRT_NONE;
-    hit->facing = 0;
-}
 
 /* Traces a ray that meets the box of the scene (rays/meet_scene.h), through boxes whose unit is 1. */
 void mlrt_trace_in_scene(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit);

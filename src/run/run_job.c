@@ -54,13 +54,12 @@ static void describe_tile(const struct mlrt_job *job, const struct mlrt_worker *
 static MLRT_NOINLINE void trace_item(const struct run *run, struct mlrt_worker *worker,
                                      const struct mlrt_rectangle *area)
 {
-    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
+    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c)
         worker->tile.channel[c].row_stride = area->width * worker->tile.channel[c].stride;
-    }
     mlrt_group_channels(&worker->tile);
     worker->tile.x = area->x;
     worker->tile.y = area->y;
-    run->job->kernels->trace_tile(run->job, worker, area);
+    run->job->kernels->trace_area(run->job, worker, area);
 }
 
 static int32_t run_item(void *work, uint32_t item, uint32_t number)
@@ -97,17 +96,6 @@ static int wants_channel(const struct mlrt_job *job, enum mlrt_channel channel)
     return job->any ? channel == MLRT_CHANNEL_OCCLUDED : (job->outputs & output[channel]) != 0;
 }
 
-/* The bytes of a worker's tile buffer. */
-static size_t tile_buffer_size(const struct mlrt_job *job)
-{
-    const size_t pixel_count = (size_t)job->initial_tile_size * job->initial_tile_size;
-    size_t size = 0;
-    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
-        if (wants_channel(job, (enum mlrt_channel)c)) size += pixel_count * mlrt_channel_size((enum mlrt_channel)c);
-    }
-    return size;
-}
-
 /* Tables of a worker have 1 << so many entries: pairs of triangles, and triangles of known planes. */
 static uint32_t pair_bits(const struct mlrt_job *job)
 {
@@ -119,29 +107,25 @@ static uint32_t known_plane_bits(const struct mlrt_job *job)
     return mlrt_is_small(job) ? MLRT_FEW_PLANE_BITS : MLRT_KNOWN_PLANE_BITS;
 }
 
-/* The bytes of a worker's share of memory, beside its state: its tables and its tile buffer. */
-static size_t share_size(const struct mlrt_job *job)
-{
-    const size_t size = job->tree->structure->tracer.lay_out(job, NULL, NULL) + tile_buffer_size(job) +
-                        (sizeof(struct mlrt_known_plane) << known_plane_bits(job)) +
-                        (sizeof(struct mlrt_triangle_pair) << pair_bits(job));
-    return (size + 63) / 64 * 64;
-}
-
-static void lay_out_share(const struct mlrt_job *job, unsigned char *next, struct mlrt_worker *worker)
+/*
+ * Lays out a worker's share of memory, from `memory` on: its tables and its tile buffer. Returns its bytes. With NULL,
+ * only returns them.
+ */
+static size_t lay_out_share(const struct mlrt_job *job, unsigned char *memory, struct mlrt_worker *worker)
 {
     const size_t pixel_count = (size_t)job->initial_tile_size * job->initial_tile_size;
-    next += job->tree->structure->tracer.lay_out(job, next, worker);
-    worker->known.planes = (struct mlrt_known_plane *)(void *)next;
-    next += sizeof *worker->known.planes << known_plane_bits(job);
-    worker->known.pairs = (struct mlrt_triangle_pair *)(void *)next;
-    next += sizeof *worker->known.pairs << pair_bits(job);
+    size_t size = job->tree->structure->tracer.lay_out(job, memory, worker);
+    if (memory) worker->known.planes = (struct mlrt_known_plane *)(void *)(memory + size);
+    size += sizeof(struct mlrt_known_plane) << known_plane_bits(job);
+    if (memory) worker->known.pairs = (struct mlrt_triangle_pair *)(void *)(memory + size);
+    size += sizeof(struct mlrt_triangle_pair) << pair_bits(job);
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
+        const size_t element_size = mlrt_channel_size((enum mlrt_channel)c);
         if (!wants_channel(job, (enum mlrt_channel)c)) continue;
-        worker->tile.channel[c].data = next;
-        worker->tile.channel[c].stride = mlrt_channel_size((enum mlrt_channel)c);
-        next += pixel_count * mlrt_channel_size((enum mlrt_channel)c);
+        if (memory) worker->tile.channel[c] = (struct mlrt_image){memory + size, element_size, 0};
+        size += pixel_count * element_size;
     }
+    return (size + 63) / 64 * 64;
 }
 
 /* Sets a worker's state as it begins. */
@@ -149,7 +133,7 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
 {
     memset(&worker->counters, 0, sizeof worker->counters);
     memset(&worker->tile, 0, sizeof worker->tile);
-    lay_out_share(job, share, worker);
+    (void)lay_out_share(job, share, worker);
     worker->sink_count = 0;
     if (!mlrt_sink_is_empty(&job->frame)) worker->sinks[worker->sink_count++] = &job->frame;
     if (job->callback) worker->sinks[worker->sink_count++] = &worker->tile;
@@ -170,9 +154,8 @@ static int32_t run_items(const struct mlrt_run_options *options, uint32_t item_c
     for (uint32_t w = 0; options->host.progress && w < worker_count; ++w)
         run->workers[w].watch.progress = &run->progress;
     const int32_t answer = mlrt_run_items(options->pool, item_count, run_item, run);
-    for (uint32_t w = 0; options->counters && w < worker_count; ++w) {
+    for (uint32_t w = 0; options->counters && w < worker_count; ++w)
         mlrt_add_counters(options->counters, &run->workers[w].counters);
-    }
     return mlrt_end_progress(&run->progress, answer ? MLRT_ERROR_CANCELLED : MLRT_OK);
 }
 
@@ -192,12 +175,14 @@ static MLRT_NOINLINE int32_t run_block(const struct mlrt_job *job, const struct 
 
 /*
  * Traces the rays one by one, without a worker, if that is faster. Returns 0 if not. A host that watches progress may
- * end the call, so it needs a worker.
+ * end the call, and counters are those of a worker.
  */
 static int trace_without_worker(const struct mlrt_job *job, const struct mlrt_run_options *options)
 {
     int is_quiet = 1;
-    if (!mlrt_is_block(job) || !job->source.count || !job->kernels->trace_ray || options->host.progress) return 0;
+    if (!mlrt_is_block(job) || !job->source.count || job->method != MLRT_METHOD_TILE || options->counters ||
+        options->host.progress)
+        return 0;
     const uint64_t environment = mlrt_enter_fp_environment();
     const int is_done = mlrt_trace_few_rays(job, &is_quiet);
     mlrt_leave_after(is_quiet, environment);
@@ -212,7 +197,7 @@ int32_t mlrt_run_job(struct mlrt_job *job, const struct mlrt_run_options *option
     const uint64_t item_count = (uint64_t)columns * tile_count(job->source.height, job->initial_tile_size);
     if (item_count == 0) return mlrt_end_nothing(&options->host);
 
-    const size_t share = share_size(job);
+    const size_t share = lay_out_share(job, NULL, NULL);
     if (mlrt_is_block(job) && item_count == 1 && share <= sizeof((struct block_worker *)NULL)->share)
         return run_block(job, options);
     const uint32_t worker_count = item_count == 1 ? 1 : mlrt_worker_count(options->pool);

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Runs a job: its tiles, workers and counters.
- */
+/* Runs a job: its tiles, workers and counters. */
 #ifndef MLRT_RUN_RUN_JOB_H
 #define MLRT_RUN_RUN_JOB_H
 

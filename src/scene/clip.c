@@ -46,9 +46,9 @@
 
 /*
  * A cut turns n vertices into at most floor(3 n / 2), since every second vertex of a polygon that rounding has made
- * concave can be outside. The triangle and six cuts: 3, 4, 6, 9, 13, 19, 28.
+ * concave can be outside. The triangle and seven cuts: 3, 4, 6, 9, 13, 19, 28, 42.
  */
-#define VERTEX_LIMIT 28
+#define VERTEX_LIMIT 42
 
 struct polygon {
     int vertex_count;
@@ -74,38 +74,35 @@ MLRT_INLINE double distance_inside(const struct plane *plane, const double point
     return plane->sign * (point[plane->axis] - plane->position);
 }
 
-/* The point where the edge from `inner` to `outer` meets the plane. */
-static void cut_edge(const double inner[3], double inner_distance, const double outer[3], double outer_distance,
-                     double point[3])
-{
-    double t = inner_distance / (inner_distance - outer_distance);
-    for (int k = 0; k < 3; k++) point[k] = inner[k] + t * (outer[k] - inner[k]);
-}
-
 static void add_vertex(struct polygon *polygon, const double point[3], int computed)
 {
     memcpy(polygon->vertex[polygon->vertex_count], point, 3 * sizeof(double));
     polygon->computed[polygon->vertex_count++] = (unsigned char)computed;
 }
 
+/* Adds the point where the edge from `inner` to `outer` meets the plane. */
+static void add_cut(const double inner[3], double inner_distance, const double outer[3], double outer_distance,
+                    struct polygon *polygon)
+{
+    const double t = inner_distance / (inner_distance - outer_distance);
+    double point[3];
+    for (int k = 0; k < 3; k++) point[k] = inner[k] + t * (outer[k] - inner[k]);
+    add_vertex(polygon, point, 1);
+}
+
 /* Sets *result to the part of the polygon inside the plane. A vertex in the plane stays, and its edges are not cut. */
 static void cut_polygon(const struct polygon *polygon, const struct plane *plane, struct polygon *result)
 {
     result->vertex_count = 0;
-    int last = polygon->vertex_count - 1;
-    double last_distance = last < 0 ? 0 : distance_inside(plane, polygon->vertex[last]);
+    if (polygon->vertex_count == 0) return;
+    const double *last = polygon->vertex[polygon->vertex_count - 1];
+    double last_distance = distance_inside(plane, last);
     for (int i = 0; i < polygon->vertex_count; i++) {
-        double distance = distance_inside(plane, polygon->vertex[i]);
-        double point[3];
-        if (last_distance > 0 && distance < 0) {
-            cut_edge(polygon->vertex[last], last_distance, polygon->vertex[i], distance, point);
-            add_vertex(result, point, 1);
-        } else if (last_distance < 0 && distance > 0) {
-            cut_edge(polygon->vertex[i], distance, polygon->vertex[last], last_distance, point);
-            add_vertex(result, point, 1);
-        }
-        if (distance >= 0) add_vertex(result, polygon->vertex[i], polygon->computed[i]);
-        last = i;
+        const double *vertex = polygon->vertex[i], distance = distance_inside(plane, vertex);
+        if (last_distance > 0 && distance < 0) add_cut(last, last_distance, vertex, distance, result);
+        if (last_distance < 0 && distance > 0) add_cut(vertex, distance, last, last_distance, result);
+        if (distance >= 0) add_vertex(result, vertex, polygon->computed[i]);
+        last = vertex;
         last_distance = distance;
     }
 }
@@ -128,10 +125,8 @@ static void find_margins(const struct bounds *bounds, double margin[3])
 static void copy_triangle(const struct mlrt_triangle *triangle, struct polygon *polygon)
 {
     polygon->vertex_count = 3;
-    for (int i = 0; i < 3; i++) {
-        for (int k = 0; k < 3; k++) polygon->vertex[i][k] = triangle->v[i][k];
-        polygon->computed[i] = 0;
-    }
+    for (int i = 0; i < 9; i++) polygon->vertex[i / 3][i % 3] = triangle->v[i / 3][i % 3];
+    memset(polygon->computed, 0, 3);
 }
 
 /*
@@ -143,14 +138,11 @@ static int cut_by_box(const struct bounds *whole, const double margin[3], const 
 {
     int current = 0;
     for (uint32_t k = 0; k < 3; k++) {
-        struct plane below = {k, 1, box->lo[k] - margin[k]};
-        struct plane above = {k, -1, box->hi[k] + margin[k]};
-        if (whole->lo[k] < below.position) {
-            cut_polygon(&polygon[current], &below, &polygon[1 - current]);
-            current = 1 - current;
-        }
-        if (whole->hi[k] > above.position) {
-            cut_polygon(&polygon[current], &above, &polygon[1 - current]);
+        const struct plane planes[2] = {{k, 1, box->lo[k] - margin[k]}, {k, -1, box->hi[k] + margin[k]}};
+        const int is_beyond[2] = {planes[0].position > whole->lo[k], planes[1].position < whole->hi[k]};
+        for (int side = 0; side < 2; side++) {
+            if (!is_beyond[side]) continue;
+            cut_polygon(&polygon[current], &planes[side], &polygon[1 - current]);
             current = 1 - current;
         }
     }
@@ -166,34 +158,13 @@ MLRT_INLINE void extend(struct bounds *bounds, const double point[3], const doub
     }
 }
 
-/*
- * The bounds of the part of a polygon inside a plane, widened for computed vertices. If there is no such part, they are
- * inverted: lo > hi.
- */
-static void bound_inside(const struct polygon *polygon, const struct plane *plane, const double margin[3],
-                         struct bounds *bounds)
+/* The bounds of a polygon, widened for computed vertices. Without vertices they are inverted: lo > hi. */
+static void bound_polygon(const struct polygon *polygon, const double margin[3], struct bounds *bounds)
 {
     static const double no_margin[3];
-    int last = polygon->vertex_count - 1;
-    double last_distance = last < 0 ? 0 : distance_inside(plane, polygon->vertex[last]);
-    for (int k = 0; k < 3; k++) {
-        bounds->lo[k] = HUGE_VAL;
-        bounds->hi[k] = -HUGE_VAL;
-    }
-    for (int i = 0; i < polygon->vertex_count; i++) {
-        double distance = distance_inside(plane, polygon->vertex[i]);
-        double point[3];
-        if (last_distance > 0 && distance < 0) {
-            cut_edge(polygon->vertex[last], last_distance, polygon->vertex[i], distance, point);
-            extend(bounds, point, margin);
-        } else if (last_distance < 0 && distance > 0) {
-            cut_edge(polygon->vertex[i], distance, polygon->vertex[last], last_distance, point);
-            extend(bounds, point, margin);
-        }
-        if (distance >= 0) extend(bounds, polygon->vertex[i], polygon->computed[i] ? margin : no_margin);
-        last = i;
-        last_distance = distance;
-    }
+    *bounds = (struct bounds){{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+    for (int i = 0; i < polygon->vertex_count; i++)
+        extend(bounds, polygon->vertex[i], polygon->computed[i] ? margin : no_margin);
 }
 
 /* The largest float <= x that is 0 or at least `tiny` in magnitude. 0 is +0. */
@@ -243,7 +214,8 @@ void mlrt_clip_halves(const struct mlrt_triangle *triangle, const struct mlrt_bo
         double sign = side == 0 ? -1 : 1;
         struct plane plane = {axis, sign, position - sign * margin[axis]};
         struct bounds bounds;
-        bound_inside(&polygon[current], &plane, margin, &bounds);
+        cut_polygon(&polygon[current], &plane, &polygon[1 - current]);
+        bound_polygon(&polygon[1 - current], margin, &bounds);
         halves->touched[side] = intersect_bounds(&bounds, tiny, &halves->box[side]);
     }
 }

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Masks of many triangles or of many rays: see masks.h.
- */
+/* Masks of many triangles or of many rays: see masks.h. */
 #include "scene/masks.h"
 
 #include "base/platform.h"

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The caller's meshes: see meshes.h.
- */
+/* The caller's meshes: see meshes.h. */
 #include "scene/meshes.h"
 
 #include <string.h>
@@ -47,9 +45,8 @@ static int32_t check_mesh(const mlrt_mesh *meshes, size_t i)
                          (unsigned long)mesh.index_size);
     }
     if (mesh.triangle_count == 0 || mesh.triangle_count > MLRT_TRIANGLE_LIMIT) return MLRT_OK;
-    if (!mesh.vertices && mesh.vertex_count) {
+    if (!mesh.vertices && mesh.vertex_count)
         return mlrt_fail_at(MLRT_ERROR_ARGUMENT, PATH, i, "vertices", "NULL, but vertex_count is not 0");
-    }
     status = mlrt_check_array(PATH, i, "vertices", mesh.vertices, mesh.vertex_stride, 4, 12);
     if (status != MLRT_OK) return status;
     return mlrt_check_array(PATH, i, "indices", mesh.indices, mesh.triangle_stride, mesh.index_size,
@@ -134,9 +131,7 @@ static int32_t sort_mesh_ids(struct mlrt_tree *tree)
     }
     for (uint32_t i = 0; i < count; ++i) {
         const unsigned long id = ids[sorted[i]], position = sorted[i], last = i > 0 ? sorted[i - 1] : position;
-        if (id == MLRT_NONE) {
-            return mlrt_fail(MLRT_ERROR_ARGUMENT, PATH ".id: MLRT_NONE stands for no mesh", position);
-        }
+        if (id == MLRT_NONE) return mlrt_fail(MLRT_ERROR_ARGUMENT, PATH ".id: MLRT_NONE stands for no mesh", position);
         if (position != last && id == ids[last]) {
             return mlrt_fail(MLRT_ERROR_ARGUMENT, PATH ".id: %lu is the id of meshes[%lu] too",
                              position > last ? position : last, id, position > last ? last : position);

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The caller's meshes: checked, and copied into a tree.
- */
+/* The caller's meshes: checked, and copied into a tree. */
 #ifndef MLRT_SCENE_MESHES_H
 #define MLRT_SCENE_MESHES_H
 

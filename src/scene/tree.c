@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Facts about a tree of any structure: the mesh of a triangle, and which triangles are left out.
- */
+/* Facts about a tree of any structure: the mesh of a triangle, and which triangles are left out. */
 #include "scene/tree.h"
 
 #include "exact/predicate.h"

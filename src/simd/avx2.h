@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The vocabulary of the kernels in AVX2, eight lanes wide. scalar.h says what each word means.
- */
+/* The vocabulary of the kernels in AVX2, eight lanes wide. scalar.h says what each word means. */
 #ifndef MLRT_SIMD_AVX2_H
 #define MLRT_SIMD_AVX2_H
 

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The vocabulary of the kernels in AVX-512 (F and DQ), sixteen lanes wide. scalar.h says what each word means.
- */
+/* The vocabulary of the kernels in AVX-512 (F and DQ), sixteen lanes wide. scalar.h says what each word means. */
 #ifndef MLRT_SIMD_AVX512_H
 #define MLRT_SIMD_AVX512_H
 
@@ -31,24 +29,21 @@ MLRT_INLINE vf v_min(vf a, vf b) { return _mm512_min_ps(a, b); }
 MLRT_INLINE vf v_max(vf a, vf b) { return _mm512_max_ps(a, b); }
 MLRT_INLINE vf v_abs(vf a) { return _mm512_abs_ps(a); }
 MLRT_INLINE vf v_flip(vf a, vf b) { return _mm512_xor_ps(a, _mm512_and_ps(b, _mm512_set1_ps(-0.0f))); }
-MLRT_INLINE float v_hmin(vf a)
-{
-    const __m256 b = _mm256_min_ps(_mm512_castps512_ps256(a), _mm512_extractf32x8_ps(a, 1));
-    return f4_hmin(_mm_min_ps(_mm256_castps256_ps128(b), _mm256_extractf128_ps(b, 1)));
-}
-MLRT_INLINE float v_hmax(vf a)
-{
-    const __m256 b = _mm256_max_ps(_mm512_castps512_ps256(a), _mm512_extractf32x8_ps(a, 1));
-    return f4_hmax(_mm_max_ps(_mm256_castps256_ps128(b), _mm256_extractf128_ps(b, 1)));
-}
+MLRT_INLINE __m256 lower_half(vf a) { return _mm512_castps512_ps256(a); }
+MLRT_INLINE __m256 upper_half(vf a) { return _mm512_extractf32x8_ps(a, 1); }
+MLRT_INLINE f4 lower_quad(__m256 a) { return _mm256_castps256_ps128(a); }
+MLRT_INLINE f4 upper_quad(__m256 a) { return _mm256_extractf128_ps(a, 1); }
+MLRT_INLINE f4 min_quad(__m256 a) { return _mm_min_ps(lower_quad(a), upper_quad(a)); }
+MLRT_INLINE f4 max_quad(__m256 a) { return _mm_max_ps(lower_quad(a), upper_quad(a)); }
+MLRT_INLINE float v_hmin(vf a) { return f4_hmin(min_quad(_mm256_min_ps(lower_half(a), upper_half(a)))); }
+MLRT_INLINE float v_hmax(vf a) { return f4_hmax(max_quad(_mm256_max_ps(lower_half(a), upper_half(a)))); }
 MLRT_INLINE f4 v_hmin4(vf a, vf b, vf c, vf d)
 {
     const __m512 ab = _mm512_min_ps(_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b));
     const __m512 cd = _mm512_min_ps(_mm512_unpacklo_ps(c, d), _mm512_unpackhi_ps(c, d));
     const __m512 all = _mm512_min_ps(_mm512_shuffle_ps(ab, cd, _MM_SHUFFLE(1, 0, 1, 0)),
                                      _mm512_shuffle_ps(ab, cd, _MM_SHUFFLE(3, 2, 3, 2)));
-    const __m256 half = _mm256_min_ps(_mm512_castps512_ps256(all), _mm512_extractf32x8_ps(all, 1));
-    return _mm_min_ps(_mm256_castps256_ps128(half), _mm256_extractf128_ps(half, 1));
+    return min_quad(_mm256_min_ps(lower_half(all), upper_half(all)));
 }
 
 MLRT_INLINE vm v_lt(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Vectors of three doubles, DW lanes of each: the products that determinants consist of (exact/predicate.c).
- */
+/* Vectors of three doubles, DW lanes of each: the products that determinants consist of (exact/predicate.c). */
 #ifndef MLRT_SIMD_DOUBLES_H
 #define MLRT_SIMD_DOUBLES_H
 
@@ -27,7 +25,6 @@ MLRT_INLINE vd dot_product_of_sizes(const vd a[3], const vd b[3])
     return d_add(d_add(d_mul(d_abs(a[0]), b[0]), d_mul(d_abs(a[1]), b[1])), d_mul(d_abs(a[2]), b[2]));
 }
 
-/* The sum of the magnitudes of the components. */
 /* The sum of the magnitudes of the components. */
 MLRT_INLINE vd size_of_doubles(const vd a[3]) { return d_add(d_add(d_abs(a[0]), d_abs(a[1])), d_abs(a[2])); }
 

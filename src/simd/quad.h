@@ -7,7 +7,7 @@
 
 #include "base/platform.h"
 
-#if MLRT_HAVE_SSE
+#if MLRT_SSE_KERNELS
 #include "simd/quad_sse.h"
 #else
 #include "simd/quad_scalar.h"

@@ -133,15 +133,6 @@ MLRT_INLINE f4 f4_high(f4 a, f4 b) { return (f4){{a.x[2], a.x[3], b.x[2], b.x[3]
 MLRT_INLINE f4 f4_evens(f4 a, f4 b) { return (f4){{a.x[0], a.x[2], b.x[0], b.x[2]}}; }
 /* lanes 1, 3 of a and of b */
 MLRT_INLINE f4 f4_odds(f4 a, f4 b) { return (f4){{a.x[1], a.x[3], b.x[1], b.x[3]}}; }
-/* four floats, `step` apart */
-MLRT_INLINE f4 f4_gather(const float *p, size_t step) { return (f4){{p[0], p[step], p[2 * step], p[3 * step]}}; }
-/* four vectors of three coordinates, whose starts are `step` floats apart: by_axis[k] has those along axis k */
-MLRT_INLINE void f4_gather_triples(const float *p, size_t step, f4 by_axis[3])
-{
-    for (int k = 0; k < 3; ++k, ++p) by_axis[k] = (f4){{p[0], p[step], p[2 * step], p[3 * step]}};
-}
-/* the same for packed vectors */
-MLRT_INLINE void f4_triples(const float *p, f4 by_axis[3]) { f4_gather_triples(p, 3, by_axis); }
 /* three corners a, b, c of three coordinates each: corner[k] has those along axis k, of a, b, c and a */
 MLRT_INLINE void f4_corners(const float v[3][3], f4 corner[3])
 {

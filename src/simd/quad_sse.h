@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Four floats in SSE2. quad_scalar.h says what each word means.
- */
+/* Four floats in SSE2. quad_scalar.h says what each word means. */
 #ifndef MLRT_QUAD_SSE_H
 #define MLRT_QUAD_SSE_H
 
@@ -89,7 +87,6 @@ MLRT_INLINE f4 f4_low(f4 a, f4 b) { return _mm_movelh_ps(a, b); }
 MLRT_INLINE f4 f4_high(f4 a, f4 b) { return _mm_movehl_ps(b, a); }
 MLRT_INLINE f4 f4_evens(f4 a, f4 b) { return _mm_shuffle_ps(a, b, _MM_SHUFFLE(2, 0, 2, 0)); }
 MLRT_INLINE f4 f4_odds(f4 a, f4 b) { return _mm_shuffle_ps(a, b, _MM_SHUFFLE(3, 1, 3, 1)); }
-MLRT_INLINE f4 f4_gather(const float *p, size_t step) { return _mm_setr_ps(p[0], p[step], p[2 * step], p[3 * step]); }
 /* For v_quads_at and its like: four words at p; two words of two elements; one word of two elements in two rows. */
 MLRT_INLINE __m128 quad_at(const unsigned char *p) { return _mm_loadu_ps((const float *)(const void *)p); }
 MLRT_INLINE __m128 pairs_at(const unsigned char *p, size_t step)
@@ -105,23 +102,6 @@ MLRT_INLINE __m128 square_at(const unsigned char *p, size_t step, size_t row_ste
     return _mm_movelh_ps(upper, _mm_unpacklo_ps(_mm_load_ss((const void *)p), _mm_load_ss((const void *)(p + step))));
 }
 
-MLRT_INLINE void f4_gather_triples(const float *p, size_t step, f4 by_axis[3])
-{
-    f4 xy[4];
-    for (int i = 0; i < 4; ++i) xy[i] = _mm_castsi128_ps(_mm_loadl_epi64((const void *)(p + (size_t)i * step)));
-    const f4 ab = _mm_unpacklo_ps(xy[0], xy[1]), cd = _mm_unpacklo_ps(xy[2], xy[3]);
-    by_axis[0] = _mm_movelh_ps(ab, cd);
-    by_axis[1] = _mm_movehl_ps(cd, ab);
-    by_axis[2] = _mm_set_ps(p[3 * step + 2], p[2 * step + 2], p[step + 2], p[2]);
-}
-MLRT_INLINE void f4_triples(const float *p, f4 by_axis[3])
-{
-    const f4 a = _mm_loadu_ps(p), b = _mm_loadu_ps(p + 4), c = _mm_loadu_ps(p + 8);
-    const f4 yz = _mm_shuffle_ps(a, b, _MM_SHUFFLE(1, 0, 2, 1)), xy = _mm_shuffle_ps(b, c, _MM_SHUFFLE(2, 1, 3, 2));
-    by_axis[0] = _mm_shuffle_ps(a, xy, _MM_SHUFFLE(2, 0, 3, 0));
-    by_axis[1] = _mm_shuffle_ps(yz, xy, _MM_SHUFFLE(3, 1, 2, 0));
-    by_axis[2] = _mm_shuffle_ps(yz, c, _MM_SHUFFLE(3, 0, 3, 1));
-}
 MLRT_INLINE void f4_corners(const float v[3][3], f4 corner[3])
 {
     /* Reads the last corner from one float earlier, so as not to read past it. */

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Sixteen words, four at a time: see sixteen.h.
- */
+/* Sixteen words, four at a time: see sixteen.h. */
 #include "simd/sixteen.h"
 
 #include "simd/quad.h"

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Sixteen words, such as the numbers of triangles of a packet's rays or of a bundle's cells.
- */
+/* Sixteen words, such as the numbers of triangles of a packet's rays or of a bundle's cells. */
 #ifndef MLRT_SIMD_SIXTEEN_H
 #define MLRT_SIMD_SIXTEEN_H
 

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The vocabulary of the kernels in SSE2, four lanes wide. scalar.h says what each word means.
- */
+/* The vocabulary of the kernels in SSE2, four lanes wide. scalar.h says what each word means. */
 #ifndef MLRT_SIMD_SSE_H
 #define MLRT_SIMD_SSE_H
 
@@ -31,16 +29,8 @@ MLRT_INLINE vf v_min(vf a, vf b) { return _mm_min_ps(a, b); }
 MLRT_INLINE vf v_max(vf a, vf b) { return _mm_max_ps(a, b); }
 MLRT_INLINE vf v_abs(vf a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
 MLRT_INLINE vf v_flip(vf a, vf b) { return _mm_xor_ps(a, _mm_and_ps(b, _mm_set1_ps(-0.0f))); }
-MLRT_INLINE float v_hmin(vf a)
-{
-    a = _mm_min_ps(a, _mm_movehl_ps(a, a));
-    return _mm_cvtss_f32(_mm_min_ss(a, _mm_shuffle_ps(a, a, 1)));
-}
-MLRT_INLINE float v_hmax(vf a)
-{
-    a = _mm_max_ps(a, _mm_movehl_ps(a, a));
-    return _mm_cvtss_f32(_mm_max_ss(a, _mm_shuffle_ps(a, a, 1)));
-}
+MLRT_INLINE float v_hmin(vf a) { return f4_hmin(a); }
+MLRT_INLINE float v_hmax(vf a) { return f4_hmax(a); }
 MLRT_INLINE f4 v_hmin4(vf a, vf b, vf c, vf d)
 {
     const __m128 ab = _mm_min_ps(_mm_unpacklo_ps(a, b), _mm_unpackhi_ps(a, b));

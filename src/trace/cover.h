@@ -199,7 +199,7 @@ static MLRT_NOINLINE int make_rays_of_packet(const struct mlrt_job *job, struct 
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     const int v = (int)(place - place % VW);
-    mlrt_make_rays(job, bundle->tile, place);
+    make_rays(job, bundle->tile, place);
     if (MLRT_UNLIKELY(bundle->unit != 1)) check_packet_in_units(packet->active | packet->single, bundle->unit, packet);
     int fits = packet->active && !packet->single;
     if (fits && (bundle->unit != 1 || bundle->tile->seen)) { /* bounds of the rays are closer than the cell's */

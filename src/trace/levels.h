@@ -4,17 +4,204 @@
  * of sixteen packets of 4x4. Tiles and packets that one triangle covers, or that meet none, are finished at once; the
  * others are cut further.
  *
- * Squares exist for cameras only, whose slopes are known before rays are made. Other sources begin with tiles.
- *
- * This file is compiled once: it calls the kernels of an instruction set, which process rays, cells and triangles.
+ * Squares exist for cameras and for points only, whose slopes are known before rays are made. Other sources begin with
+ * tiles.
  */
 #ifndef MLRT_TRACE_LEVELS_H
 #define MLRT_TRACE_LEVELS_H
 
-#include "job/job.h"
-#include "rays/rectangle.h"
+#include "hits/blocks.h"
+#include "job/stop.h"
+#include "job/write_arrays.h"
+#include "simd/sixteen.h"
+#include "trace/camera_cells.h"
+#include "trace/make_rays.h"
+#include "trace/point_cells.h"
+#include "trace/shadows.h"
+#include "trace/tile.h"
+
+/*
+ * Makes a bundle without rays of the cells of `side` x `side` pixels of a camera's picture (camera_cells.h), or of the
+ * tiles of points that rays from a light lead to (point_cells.h). Returns 0 if that is not possible.
+ */
+static int gather_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
+                        struct mlrt_bundle *bundle)
+{
+    if (mlrt_is_pinhole(&job->source)) return gather_camera_cells(job, area, side, bundle);
+    if (side == 16 && job->source.kind == MLRT_SOURCE_POINT_LIGHT) return gather_point_cells(job, area, bundle);
+    return 0;
+}
+
+/* Is the source a list? It is then a picture four rays wide, and its tiles are one packet wide. */
+static int is_list(const struct mlrt_source *source)
+{
+    return source->kind != MLRT_SOURCE_CAMERA && source->width <= 4;
+}
+
+/* Traces the rays of a packet that float does not carry, and writes the results of the packet. */
+static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                         uint32_t place)
+{
+    struct mlrt_packet *packet = &tile->packets[place];
+    const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
+    if (MLRT_UNLIKELY(packet->single)) finish_packet(job, worker, packet);
+    write_packet(job, worker, packet, mlrt_existing_lanes(&job->source, &block), &block);
+}
+
+/* Sets (*x, *y) to the corner of the tile after `tile`, where tiles go row by row through squares of 64 pixels. */
+static void find_next_tile(const struct mlrt_source *source, const struct mlrt_rectangle *tile, uint32_t *x,
+                           uint32_t *y)
+{
+    const uint32_t first = tile->x & ~63u;
+    const int is_last = tile->x % 64 == 48 || tile->x + 16 >= source->width, is_lowest = tile->y % 64 == 48;
+    *x = !is_last ? tile->x + 16 : is_lowest ? first + 64 : first;
+    *y = !is_last ? tile->y : is_lowest ? tile->y & ~63u : tile->y + 16;
+}
+
+/*
+ * Prefetches the places of the triangles that a packet hits: t, u and v are computed from the corners in leaves, which
+ * the traversal has read, but it knows triangles by their numbers. A packet whose lanes all hit one triangle is left
+ * out, since one cache miss costs little. Always inlined: the compiler drops a call of a function that only prefetches.
+ */
+MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet)
+{
+    if (!tree->bvh.places || mlrt_same_words(packet->triangle, packet->triangle[0]) == 0xFFFF) return;
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const uint32_t number = packet->triangle[lane];
+        if (number != MLRT_NONE) mlrt_prefetch(&tree->bvh.places[number]);
+    }
+}
+
+/*
+ * Traces the packets of a tile. Afterwards the packets in bundle->closed have a cover in place of rays; all others have
+ * rays with their nearest hits.
+ */
+static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
+{
+    struct mlrt_ray_tile *tile = bundle->tile;
+    if (gather_cells(job, &tile->area, 4, bundle)) {
+        trace_cells(job, worker, worker->bundles->open_tiles != 0, bundle);
+        worker->bundles->open_tiles = worker->bundles->open_tiles ? worker->bundles->open_tiles - 1
+                                      : !bundle->closed           ? MLRT_TILE_RUN
+                                                                  : 0;
+        return;
+    }
+    tile->made = 0xFFFF;
+    const uint32_t waiting = make_packets(job, tile);
+    if (!is_list(&job->source)) mlrt_prefetch_sink(&tile->area, &job->frame);
+    trace_bundle(job, worker, bundle, waiting);
+    bundle->closed = 0;
+}
+
+/*
+ * Writes the results of the packets of a tile, and prefetches the rays of the next one. Their rows lie too far apart
+ * for the processor's own prefetching, and only few cache misses can be under way at once: so each packet that is
+ * written prefetches one row. A list needs no prefetch, as it is read in order.
+ */
+static void write_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                          const struct mlrt_bundle *bundle)
+{
+    const int has_numbers = (job->frame.numbers | worker->tile.numbers) != 0;
+    const int has_rows = !is_list(&job->source);
+    const uint32_t open = tile->blocks & ~bundle->closed;
+    uint32_t next_x, next_y;
+    find_next_tile(&job->source, &tile->area, &next_x, &next_y);
+    for (uint32_t left = tile->blocks; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left), ahead = place + 2;
+        if (has_rows) mlrt_prefetch_row(&job->source, next_x, next_y + place);
+        if (has_numbers && open >> ahead & 1) prefetch_triangles(job->tree, &tile->packets[ahead]);
+        if (bundle->closed >> place & 1) {
+            const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
+            write_closed(job, worker, bundle->hulls.cover[place], &block);
+        } else {
+            finish_block(job, worker, tile, place);
+        }
+    }
+}
+
+/* Traces a rectangle of at most 16 blocks. `known`: the tile is closed, with this cover and these lights; else NULL. */
+static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area,
+                           const struct known_lights *known)
+{
+    struct mlrt_ray_tile tile;
+    struct mlrt_bundle bundle;
+    mlrt_begin_tile(area, is_list(&job->source), &tile);
+    bundle.tile = &tile;
+    bundle.closed = 0;
+    tile.cells = &bundle;
+    if (known) {
+        gather_cells(job, area, 4, &bundle);
+        mlrt_fill_words(bundle.hulls.cover, known->cover);
+        write_closed(job, worker, known->cover, area);
+    } else {
+        trace_packets(job, worker, &bundle);
+        write_packets(job, worker, &tile, &bundle);
+    }
+    if (MLRT_UNLIKELY(job->light_count)) shade_tile(job, worker, &tile, known);
+}
+
+/* Traces a rectangle of at most 4 x 4 tiles. */
+static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area)
+{
+    struct mlrt_bundle bundle;
+    bundle.tile = NULL;
+    bundle.closed = 0;
+    if (worker->bundles->open_squares) {
+        --worker->bundles->open_squares;
+    } else {
+        if (gather_cells(job, area, 16, &bundle)) trace_cells(job, worker, 0, &bundle);
+        if (!bundle.closed) worker->bundles->open_squares = MLRT_SQUARE_RUN;
+    }
+    struct known_lights known[MLRT_CELL_COUNT];
+    uint32_t known_cells = bundle.closed;
+    if (MLRT_UNLIKELY(job->light_count) && bundle.closed) known_cells &= shade_cells(job, worker, &bundle, known);
+    for (uint32_t j = 0; j < area->height; j += 16) {
+        for (uint32_t i = 0; i < area->width; i += 16) {
+            const struct mlrt_rectangle tile = mlrt_cut_piece(area, i, j, 16);
+            const uint32_t place = j / 4 + i / 16, cover = bundle.hulls.cover[place];
+            if (known_cells >> place & 1) {
+                write_closed(job, worker, cover, &tile);
+                if (MLRT_UNLIKELY(job->light_count) && cover != MLRT_NONE) {
+                    mlrt_write_picture_shadow(worker, known[place].dark, &tile);
+                }
+            } else {
+                trace_ray_tile(job, worker, &tile, bundle.closed >> place & 1 ? &known[place] : NULL);
+                if (mlrt_is_stopped(worker, (double)tile.width * tile.height)) return;
+            }
+        }
+    }
+}
+
+/* Traces the squares of a part of a picture, or the tiles of a list. */
+static void trace_squares(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area)
+{
+    if (is_list(&job->source)) {
+        for (uint32_t j = 0; j < area->height; j += 64) {
+            const struct mlrt_rectangle tile = {area->x, area->y + j, area->width,
+                                                area->height - j < 64 ? area->height - j : 64};
+            trace_ray_tile(job, worker, &tile, NULL);
+            if (mlrt_is_stopped(worker, (double)tile.width * tile.height)) return;
+        }
+        return;
+    }
+    for (uint32_t j = 0; j < area->height; j += 64) {
+        for (uint32_t i = 0; i < area->width; i += 64) {
+            const struct mlrt_rectangle square = mlrt_cut_piece(area, i, j, 64);
+            trace_square(job, worker, &square);
+            if (worker->watch.stopped) return;
+        }
+    }
+}
 
 /* Traces a part of a picture that starts at multiples of 4, and writes its results. */
-void mlrt_trace_levels(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area);
+static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area)
+{
+    if (job->method == MLRT_METHOD_RAY) {
+        trace_by_rays(job, worker, area);
+        return;
+    }
+    COUNT(&worker->counters, ray_count, mlrt_count_rays(&job->source, area));
+    trace_squares(job, worker, area);
+}
 
 #endif

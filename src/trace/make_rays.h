@@ -1,38 +1,90 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Makes the rays of a tile's packets, and traces those that the kernels leave.
+ * Makes the rays of a tile's packets, and traces those that bundles leave.
  */
 #ifndef MLRT_TRACE_MAKE_RAYS_H
 #define MLRT_TRACE_MAKE_RAYS_H
 
+#include "hits/blocks.h"
+#include "hits/shadow_packet.h"
 #include "simd/sixteen.h"
 #include "trace/ray_tile.h"
+#include "trace/read_tile.h"
+
+/* Makes the rays of a picture's packet. */
+static void make_picture_rays(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t place)
+{
+    const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
+    tile->made |= 1u << place;
+    get_packet(job, &block, mlrt_existing_lanes(&job->source, &block), &tile->packets[place]);
+}
 
 /* The lanes of a packet that hit a triangle. */
-static inline uint32_t mlrt_lanes_with_hit(const struct mlrt_packet *packet)
+MLRT_INLINE uint32_t lanes_with_hit(const struct mlrt_packet *packet)
 {
     return ~mlrt_same_words(packet->triangle, MLRT_NONE) & 0xFFFF;
 }
 
 /* Returns the lanes of a picture's packet that hit a triangle. A closed packet without rays gets its rays first. */
-uint32_t mlrt_find_seen(const struct mlrt_job *picture, struct mlrt_ray_tile *seen, uint32_t place);
+static uint32_t find_seen(const struct mlrt_job *picture, struct mlrt_ray_tile *seen, uint32_t place)
+{
+    struct mlrt_packet *packet = &seen->packets[place];
+    const struct mlrt_rectangle block = mlrt_block_of_tile(seen, place);
+    const uint32_t lanes = mlrt_existing_lanes(&picture->source, &block);
+    if (!(seen->made >> place & 1)) {
+        make_picture_rays(picture, seen, place);
+        mlrt_fill_words(packet->triangle, seen->cells->hulls.cover[place]);
+    }
+    return lanes & lanes_with_hit(packet);
+}
 
 /*
  * Makes the rays of a tile's packet to the light of a job. If the packet of the picture has no rays yet, it gets them
  * first.
  */
-void mlrt_make_rays_to_light(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t place);
+static void make_rays_to_light(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t place)
+{
+    struct mlrt_packet *packet = &tile->packets[place];
+    const uint32_t hit = find_seen(tile->picture, tile->seen, place);
+    tile->dark[place] = 0;
+    if (hit) {
+        tile->dark[place] = make_shadow_packet(job, &tile->seen->packets[place], hit, packet);
+        return;
+    }
+    packet->active = packet->single = 0;
+    mlrt_fill_words(packet->triangle, MLRT_NONE);
+}
 
 /* Makes the rays of the packet at a place: those of a picture, or in a tile of shadow rays those to the light. */
-void mlrt_make_rays(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t place);
+static void make_rays(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t place)
+{
+    if (!tile->seen) {
+        make_picture_rays(job, tile, place);
+        return;
+    }
+    tile->made |= 1u << place;
+    make_rays_to_light(job, tile, place);
+}
 
 /*
  * Makes the rays of all packets of a tile, for any source. Returns the packets that have rays: not all of these rays
  * can hit something, since only those of a pinhole camera are checked.
  */
-uint32_t mlrt_make_packets(const struct mlrt_job *job, struct mlrt_ray_tile *tile);
+static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_ray_tile *tile)
+{
+    uint32_t waiting = 0;
+    read_packets(&job->source, tile);
+    for (uint32_t left = tile->blocks; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        waiting |= ((tile->packets[place].active | tile->packets[place].single) != 0u) << place;
+    }
+    return waiting;
+}
 
 /* Traces the rays of a packet that float does not carry. */
-void mlrt_finish_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_packet *packet);
+static void finish_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_packet *packet)
+{
+    if (packet->single) mlrt_trace_single_rays(job, packet->single, packet, COUNTERS(worker));
+}
 
 #endif

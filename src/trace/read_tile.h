@@ -24,7 +24,7 @@ static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile 
         const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
         struct mlrt_packet *packet = &tile->packets[place];
         const uint32_t lanes = mlrt_existing_lanes(source, &block);
-        if (MLRT_LIKELY(is_even && lanes == 0xFFFF && !source->has_masks)) {
+        if (MLRT_LIKELY(is_even && lanes == 0xFFFF)) {
             read_whole_block(&reader, block.x, block.y, &known, packet);
         } else {
             fetch_block(source, &block, lanes, packet);

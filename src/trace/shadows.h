@@ -1,28 +1,155 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Finds which lights reach the hits of a picture's rays (mlrt.h, "Shadows of a picture"), in the tile method.
+ * Finds which lights reach the hits of a picture's rays (mlrt.h, "Shadows of a picture").
+ *
+ * Where one triangle covers a cell of the picture, its shadow rays usually form a cell of the light. That cell needs no
+ * rays if all of it is lit, or if one triangle shades all of it. The other packets get shadow rays.
  */
 #ifndef MLRT_TRACE_SHADOWS_H
 #define MLRT_TRACE_SHADOWS_H
 
-#include "trace/ray_tile.h"
+#include <string.h>
+
+#include "hits/finish.h"
+#include "job/write_arrays.h"
+#include "simd/sixteen.h"
+#include "trace/make_rays.h"
+#include "trace/shadow_cells.h"
+#include "trace/tile.h"
 
 /* A closed cell of the picture and the lights, one bit each, that are decided for the whole cell. */
-struct mlrt_known_lights {
+struct known_lights {
     uint32_t cover; /* the triangle that covers the cell, or MLRT_NONE */
     uint8_t known;  /* lights that reach all of the cell, or none of it */
     uint8_t dark;   /* of these, the lights that do not reach it */
 };
 
+/*
+ * Makes a bundle without rays: the cells of a point light that belong to the cells `among` of a picture. Returns the
+ * cells that it has; *dark receives those whose surface faces away from the light.
+ */
+static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_bundle *seen, uint32_t among,
+                                 struct mlrt_bundle *bundle, uint32_t *dark)
+{
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    const uint32_t lit = mlrt_make_lit_cells(&job->source, job->tree, seen, among, bundle, dark);
+    memcpy(bundle->waist.point, job->source.light, sizeof bundle->waist.point);
+    memcpy(hulls->skip, seen->hulls.cover, sizeof hulls->skip);
+    bundle->going = bundle->closed = bundle->apexes = lit;
+    bundle->ends_at_skip = 1;
+    return lit;
+}
+
+/* Can closed cells of the picture become cells of the light? Requires a pinhole camera, a point light and unit 1. */
+static int have_lit_cells(const struct mlrt_job *job, const struct mlrt_job *light)
+{
+    return job->tree->bvh.unit == 1 && mlrt_is_pinhole(&job->source) && light->source.kind == MLRT_SOURCE_POINT_LIGHT;
+}
+
+/* The closed cells that a triangle covers. */
+static uint32_t covered_cells(const struct mlrt_bundle *bundle)
+{
+    return bundle->closed & ~mlrt_same_words(bundle->hulls.cover, MLRT_NONE);
+}
+
+/*
+ * Traces the light's cells of the cells `covered`. Returns the cells that are lit; *dark receives those that are in
+ * shadow. The others are undecided: either `bundle` does not have them, or they were opened; if it has a tile, their
+ * shadow rays are made.
+ */
+static uint32_t trace_lit_cells(const struct mlrt_job *light, struct mlrt_worker *worker,
+                                const struct mlrt_bundle *seen, uint32_t covered, struct mlrt_bundle *bundle,
+                                uint32_t *dark)
+{
+    if (!gather_lit_cells(light, seen, covered, bundle, dark)) return 0;
+    trace_cells(light, worker, 0, bundle);
+    const uint32_t shaded = covered_cells(bundle);
+    *dark |= shaded;
+    return bundle->closed & ~shaded;
+}
+
 /* Decides lights for the closed cells of a square, into `known`. Returns the cells for which all lights are decided. */
-uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_bundle *seen,
-                          struct mlrt_known_lights known[MLRT_CELL_COUNT]);
+static MLRT_NOINLINE uint32_t shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_bundle *seen,
+                          struct known_lights known[MLRT_CELL_COUNT])
+{
+    const uint32_t covered = covered_cells(seen);
+    uint32_t all = seen->closed;
+    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+        known[place] = (struct known_lights){seen->hulls.cover[place], 0, 0};
+    }
+    for (uint32_t i = 0; i < job->light_count; ++i) {
+        const struct mlrt_job *light = &job->lights[i];
+        struct mlrt_bundle bundle;
+        uint32_t dark = 0, lit = 0;
+        bundle.tile = NULL;
+        if (covered && have_lit_cells(job, light)) {
+            lit = trace_lit_cells(light, worker, seen, covered, &bundle, &dark);
+        }
+        for (uint32_t left = dark | lit; left; left &= left - 1) {
+            struct known_lights *of = &known[mlrt_lowest_bit(left)];
+            of->known |= (uint8_t)(1u << i);
+            of->dark |= (uint8_t)((dark >> mlrt_lowest_bit(left) & 1) << i);
+        }
+        all &= dark | lit | (seen->closed & ~covered);
+    }
+    return all;
+}
+
+/* Finds the lanes of a tile's packets that a light does not reach. */
+static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *light, struct mlrt_worker *worker,
+                          struct mlrt_ray_tile *seen, uint32_t dark_lanes[MLRT_CELL_COUNT])
+{
+    struct mlrt_ray_tile tile;
+    struct mlrt_bundle bundle;
+    uint32_t dark = 0, lit = 0, waiting = 0, made = 0;
+    mlrt_begin_tile(&seen->area, 0, &tile);
+    tile.seen = seen;
+    tile.picture = job;
+    bundle.tile = &tile;
+    const uint32_t covered = covered_cells(seen->cells), missed = seen->cells->closed & ~covered;
+    if (mlrt_count_bits(covered) >= MLRT_LEAST_LIT_CELLS && have_lit_cells(job, light)) {
+        lit = trace_lit_cells(light, worker, seen->cells, covered, &bundle, &dark);
+        made = tile.made;
+    }
+    for (uint32_t left = tile.blocks & ~(dark | lit | missed | made); left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        make_rays_to_light(light, &tile, place);
+        waiting |= ((tile.packets[place].active | tile.packets[place].single) != 0u) << place;
+        made |= 1u << place;
+    }
+    tile.made = 0xFFFF;
+    trace_bundle(light, worker, &bundle, waiting);
+    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+        dark_lanes[place] = dark >> place & 1 ? 0xFFFF : 0;
+        if (!(made >> place & 1)) continue;
+        COUNT(&worker->counters, ray_count, mlrt_count_bits(find_seen(job, seen, place) & ~tile.dark[place]));
+        finish_packet(light, worker, &tile.packets[place]);
+        dark_lanes[place] = tile.dark[place] | lanes_with_hit(&tile.packets[place]);
+    }
+}
 
 /*
  * Finds and writes which lights do not reach the hits of a tile. `known`: the lights decided for the whole tile, or
  * NULL.
  */
-void mlrt_shade_tile(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
-                     const struct mlrt_known_lights *known);
+static MLRT_NOINLINE void shade_tile(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                     const struct known_lights *known)
+{
+    MLRT_ALIGNED(16) uint8_t shadows[MLRT_CELL_COUNT][MLRT_PACKET_RAYS];
+    memset(shadows, known ? known->dark : 0, sizeof shadows);
+    for (uint32_t i = 0; i < job->light_count; ++i) {
+        uint32_t dark_lanes[MLRT_CELL_COUNT];
+        if (known && known->known >> i & 1) continue;
+        shade_packets(job, &job->lights[i], worker, tile, dark_lanes);
+        for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+            if (dark_lanes[place]) mlrt_add_shadow(shadows[place], dark_lanes[place], (uint8_t)(1u << i));
+        }
+    }
+    for (uint32_t left = tile->blocks; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
+        mlrt_write_packet_shadows(worker, shadows[place], mlrt_existing_lanes(&job->source, &block), &block);
+    }
+}
 
 #endif

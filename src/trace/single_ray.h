@@ -314,14 +314,10 @@ MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *n
                                    struct mlrt_worker *worker)
 {
     const vm ignored = places_without_test(packet, lane, i_load_any(numbers));
-    uint32_t candidates = m_bits(inside) & places;
-    uint32_t offered = (MLRT_COUNTING ? places & ALL_LANES : candidates) & ~m_bits(ignored);
+    uint32_t candidates = m_bits(inside) & places & ~m_bits(ignored);
     const uint32_t mask = packet->has_masks ? packet->mask[lane] : worker->mask;
     uint32_t changed = NO_PLACE;
-    if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) offered = mlrt_visible_places(job->tree, numbers, offered, mask);
-    COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(offered));
-    COUNT(&worker->counters, lane_test_count, mlrt_count_bits(offered));
-    candidates &= offered;
+    if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) candidates = mlrt_visible_places(job->tree, numbers, candidates, mask);
     if (!candidates) return NO_PLACE;
     const struct verdict verdict = compare_distances(test, m_andnot(inside, ignored), t_min, v_set1(packet->lo[lane]),
                                                      v_set1(packet->hi[lane]), job->any);
@@ -341,6 +337,21 @@ MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *n
     return changed;
 }
 
+/* Counts the tests of a lane and the triangles of a leaf that it sees, in kernels that count. */
+MLRT_INLINE void count_leaf_tests(const struct mlrt_job *job, const uint32_t *numbers, uint32_t place_count,
+                                  const struct mlrt_packet *packet, uint32_t lane, struct mlrt_worker *worker)
+{
+    if (!MLRT_COUNTING) return;
+    const uint32_t mask = packet->has_masks ? packet->mask[lane] : worker->mask;
+    uint32_t count = place_count;
+    while (numbers[count - 1] == MLRT_NONE) --count;
+    if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) {
+        count = mlrt_count_bits(mlrt_visible_places(job->tree, numbers, (1u << count) - 1, mask));
+    }
+    COUNT(&worker->counters, triangle_test_count, count);
+    COUNT(&worker->counters, lane_test_count, count);
+}
+
 /*
  * Tests the triangles of a leaf. Returns NULL if the nearest hit did not change, else the first of its corners'
  * coordinates.
@@ -353,12 +364,13 @@ MLRT_INLINE const float *test_leaf(const struct mlrt_job *job, const struct sing
     const float *corners = bvh->corners + (size_t)36 * mlrt_bvh_offset(leaf);
     const uint32_t *numbers = bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf);
     const float *nearest = NULL;
+    count_leaf_tests(job, numbers, place_count, packet, ray->lane, worker);
     for (uint32_t v = 0; v < place_count; v += VW) {
         const uint32_t places = VW <= 4 ? ALL_LANES : (1u << (place_count - v)) - 1;
         struct float_test test;
         set_single_test(ray, corners + v, place_count, &test);
         const vm inside = may_be_inside(&test, m_from_bits(ALL_LANES));
-        if (!(m_bits(inside) & places) && !MLRT_COUNTING) continue;
+        if (!(m_bits(inside) & places)) continue;
         const uint32_t changed =
             settle_places(job, numbers + v, inside, places, &test, ray->lane, ray->t_min, packet, worker);
         if (changed == NO_PLACE) continue;
@@ -424,7 +436,6 @@ static MLRT_NOINLINE struct mlrt_corners trace_single(const struct mlrt_job *job
     }
 }
 
-#if !MLRT_COUNTING
 /*
  * Traces a ray as lane 0 of a packet. Returns the number of the triangle that it hits, and sets *corners. The worker is
  * one of this call, of which only the fields set here are used: with room for one plane and one pair of triangles.
@@ -458,11 +469,12 @@ static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct mlrt_lo
     pair.first = pair.second = 0;
     worker.watch.progress = NULL;
     worker.scaled = scaled;
+    CLEAR_COUNTS(&worker);
     *corners = trace_single(job, &reciprocals, 0, 0, packet, &worker);
     return packet->triangle[0];
 }
 
-/* The function `trace_ray` of job/job.h. */
+/* Traces a ray through boxes whose unit is 1. Returns the number of the triangle that it hits, and sets *corners. */
 static uint32_t trace_lone_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
                                struct mlrt_corners *corners)
 {
@@ -472,7 +484,10 @@ static uint32_t trace_lone_ray(const struct mlrt_tree *tree, const struct mlrt_l
     return trace_lone_lane(&job, ray, NULL, corners);
 }
 
-/* The function `trace_scaled_ray` of job/job.h. */
+/*
+ * Likewise for a ray that is brought into units. `skip` is the number of the triangle that the ray passes through.
+ * Returns 0, and leaves *number, if float does not carry the ray there.
+ */
 static int trace_scaled_ray(const struct mlrt_tree *tree, const struct mlrt_ray_segment *segment, int any,
                             uint32_t skip, uint32_t *number)
 {
@@ -508,6 +523,5 @@ static int trace_scaled_ray(const struct mlrt_tree *tree, const struct mlrt_ray_
     *number = trace_lone_lane(&job, &ray, &scaled, &corners);
     return 1;
 }
-#endif
 
 #endif

@@ -97,20 +97,17 @@ const struct mlrt_structure mlrt_structure_bvh = {
              .check = check},
     .tracer = {.method = MLRT_METHOD_TILE,
                .methods = 1u << MLRT_METHOD_RAY | 1u << MLRT_METHOD_TILE,
-               .has_lone_kernels = 1,
                .filters_leaves = 1,
                .camera_side = 128,
                .row_side = 64,   /* a square of tiles */
                .list_side = 256, /* lists are four rays wide */
-#if MLRT_HAVE_SSE
-               .kernels = {[MLRT_ISA_SCALAR] = &mlrt_kernels_scalar_counting,
-                           [MLRT_ISA_SSE] = &mlrt_kernels_sse,
+#if MLRT_SSE_KERNELS
+               .kernels = {[MLRT_ISA_SSE] = &mlrt_kernels_sse,
                            [MLRT_ISA_AVX2] = &mlrt_kernels_avx2,
                            [MLRT_ISA_AVX512] = &mlrt_kernels_avx512},
 #else
                .kernels = {[MLRT_ISA_SCALAR] = &mlrt_kernels_scalar},
 #endif
-               .counting = &mlrt_kernels_scalar_counting,
                .lay_out = lay_out,
                .trace_ray = mlrt_trace_boxes},
 };

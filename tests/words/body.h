@@ -154,15 +154,6 @@ static void run_corners(const struct word_input *in, struct word_output *out)
     for (int k = 0; k < 3; ++k) f4_store(out->values[WORD_QUAD_CORNERS] + 4 * k, by_axis[k]);
 }
 
-static void run_triples(const struct word_input *in, struct word_output *out)
-{
-    f4 by_axis[3];
-    f4_triples(in->a + 3, by_axis);
-    for (int k = 0; k < 3; ++k) f4_store(out->values[WORD_QUAD_TRIPLES] + 4 * k, by_axis[k]);
-    f4_gather_triples(in->a + 1, 4, by_axis);
-    for (int k = 0; k < 3; ++k) f4_store(out->values[WORD_QUAD_GATHER_TRIPLES] + 4 * k, by_axis[k]);
-}
-
 static void run_least(const struct word_input *in, struct word_output *out)
 {
     float least = INFINITY, greatest = -INFINITY;
@@ -190,6 +181,5 @@ void RUN_WORDS(const struct word_input *in, struct word_output *out)
     for (int lane = 0; lane < WORD_LANES; lane += DW) run_doubles(in, lane, out);
     run_blocks(in, out);
     run_corners(in, out);
-    run_triples(in, out);
     if (in->has_order) run_least(in, out);
 }

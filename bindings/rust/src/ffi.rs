@@ -186,7 +186,7 @@ pub const MLRT_METHOD_TILE: i32 = 5;
 /// the best that this machine has
 pub const MLRT_ISA_AUTO: i32 = 0;
 
-/// plain C, always there
+/// plain C: only in builds for processors without SSE2, which have no other
 pub const MLRT_ISA_SCALAR: i32 = 1;
 
 /// SSE2, on every x86-64: 4 boxes, packets, triangles or rays at a time
@@ -585,12 +585,12 @@ impl Default for mlrt_pool_options {
 /// ```text
 /// Counts of the work of tracing. Those of the kd-tree are in units of 4x4 packets, as the columns of the paper's table
 /// 2. Counts are added to those in the struct, so that one struct can collect several calls, one at a time. They can
-/// differ between methods and machines. Counting takes time: with counters, method tile runs in plain C.
+/// differ between methods and machines. Counting takes time: with counters, the kernels of the narrowest instruction set
+/// run (MLRT_ISA_*).
 ///
 /// Method tile traces sixteen packets, or sixteen tiles of them, together. So up to 256 or 4096 rays share a cell or a
 /// test, and its counts cannot be compared with those of the kd-tree. It has no beams and no entry points: their
-/// counters do not change. With counters, shadow rays of a picture's lights go alone, and are counted so; without, they
-/// go together.
+/// counters do not change.
 /// ```
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -599,7 +599,7 @@ pub struct mlrt_counters {
     pub struct_size: u32,
     /// must be 0
     pub reserved: u32,
-    /// rays traced
+    /// rays traced. Method tile: of shadow rays of a picture's lights, those that are made; where one triangle is seen over many pixels, it decides their shadows without rays
     pub ray_count: u64,
     /// kd-tree: groups of rays traced together (packets, or less where directions differ), and rays that went alone. Method tile: packets that went lane by lane, and rays that went alone, counted each time
     pub packet_count: u64,

@@ -64,7 +64,8 @@ pub fn version() -> (u32, u32, u32) {
 pub fn can_use(isa: Isa) -> bool {
     let capabilities = unsafe { ffi::mlrt_capabilities() };
     match isa {
-        Isa::Auto | Isa::Scalar => true,
+        Isa::Auto => true,
+        Isa::Scalar => capabilities & ffi::MLRT_CAN_SSE == 0,
         Isa::Sse => capabilities & ffi::MLRT_CAN_SSE != 0,
         Isa::Avx2 => capabilities & ffi::MLRT_CAN_AVX2 != 0,
         Isa::Avx512 => capabilities & ffi::MLRT_CAN_AVX512 != 0,

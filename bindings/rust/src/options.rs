@@ -285,7 +285,7 @@ pub struct TraceOptions<'a> {
     pub mask: u32,
     /// Whose threads trace; `None`: the calling thread alone.
     pub pool: Option<&'a Pool>,
-    /// Counts the work, in plain C; locked during the call.
+    /// Counts the work, with narrower kernels; locked during the call.
     pub counters: Option<&'a Mutex<Counters>>,
     /// Memory, messages, progress.
     pub host: Host<'a>,

@@ -26,7 +26,7 @@ public final class TraceOptions {
     public enum Isa {
         /** The best that the machine has. */
         AUTO,
-        /** Plain C. */
+        /** Plain C: where the processor has no SSE2. */
         SCALAR,
         /** SSE2. */
         SSE,

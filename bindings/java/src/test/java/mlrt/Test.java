@@ -200,7 +200,8 @@ final class Test {
     }
 
     private static void testOptions(Tree tree, Pool pool, long hash) {
-        TraceOptions[] ways = {new TraceOptions().method(Method.RAY), new TraceOptions().method(Method.TILE).isa(TraceOptions.Isa.SCALAR),
+        var narrowest = Mlrt.capabilities().contains(Mlrt.Capability.SSE) ? TraceOptions.Isa.SSE : TraceOptions.Isa.SCALAR;
+        TraceOptions[] ways = {new TraceOptions().method(Method.RAY), new TraceOptions().method(Method.TILE).isa(narrowest),
             new TraceOptions().pool(pool)};
         for (var options : ways) require(hash(tree.trace(rays(), options)) == hash, "an option changes the answers");
         var paper = new TraceOptions().method(Method.MULTILEVEL).culling(TraceOptions.Culling.DIRECT).cullingCheck(true)

@@ -4,8 +4,6 @@
  * processors that have both.
  */
 #include "simd/avx2.h"
-#define KERNELS    mlrt_kernels_avx2
-#define PICTURE    mlrt_picture_avx2
-#define REPORTS    (&mlrt_kernels_avx2)
-#define REPORT_RAY report_one_ray
-#include "trace/kernels.h"
+#define BOX_KERNELS    mlrt_kernels_avx2
+#define KDTREE_KERNELS mlrt_kernels_kdtree_avx2
+#include "isa/kernels.h"

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Blocks of 4x4 rays: made, traced one by one in double (method ray), and written. And rectangles of a picture that one
+ * triangle covers, or that miss.
+ */
+#ifndef MLRT_HITS_BLOCKS_H
+#define MLRT_HITS_BLOCKS_H
+
+#include "base/counters.h"
+#include "hits/finish.h"
+#include "hits/shadow_ray.h"
+#include "hits/write_packet.h"
+#include "rays/fetch_block.h"
+#include "simd/sixteen.h"
+
+/* Makes the rays of a block, and checks them. `lanes` are those that exist. */
+MLRT_INLINE void get_packet(const struct mlrt_job *job, const struct mlrt_rectangle *block, uint32_t lanes,
+                            struct mlrt_packet *packet)
+{
+    fetch_block(&job->source, block, lanes, packet);
+    check_block(&job->source, lanes, packet);
+}
+
+/* Traces the single rays of a packet, and writes the results of all, and their shadows. */
+static void end_packet(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t lanes,
+                     const struct mlrt_rectangle *block, struct mlrt_packet *packet)
+{
+    if (packet->single) mlrt_trace_single_rays(job, packet->single, packet, COUNTERS(worker));
+    write_packet(job, worker, packet, lanes, block);
+    if (MLRT_LIKELY(!job->light_count)) return;
+    uint8_t shadows[MLRT_PACKET_RAYS];
+    mlrt_find_shadows(job, packet, lanes, shadows, COUNTERS(worker));
+    mlrt_write_packet_shadows(worker, shadows, lanes, block);
+}
+
+/* Traces a block of at most 4x4 rays, and writes their results. `list` is what they start from, in a kd-tree. */
+struct entry_list;
+typedef void block_function(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *block,
+                            const struct entry_list *list);
+
+/* Traces the blocks of a tile. */
+MLRT_INLINE void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker,
+                              const struct mlrt_rectangle *tile, const struct entry_list *list,
+                              block_function *trace_each)
+{
+    for (uint32_t j = 0; j < tile->height; j += 4) {
+        for (uint32_t i = 0; i < tile->width; i += 4) {
+            const struct mlrt_rectangle block = mlrt_cut_piece(tile, i, j, 4);
+            trace_each(job, worker, &block, list);
+        }
+    }
+}
+
+static void trace_block_by_rays(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *block,
+                        const struct entry_list *list)
+{
+    const uint32_t lanes = mlrt_existing_lanes(&job->source, block);
+    struct mlrt_packet packet;
+    (void)list;
+    get_packet(job, block, lanes, &packet);
+    packet.single |= packet.active;
+    end_packet(job, worker, lanes, block, &packet);
+}
+
+/* Method ray: traces all rays of a tile one by one in double. */
+static MLRT_NOINLINE void trace_by_rays(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile)
+{
+    COUNT(&worker->counters, ray_count, mlrt_count_rays(&job->source, tile));
+    trace_blocks(job, worker, tile, NULL, trace_block_by_rays);
+}
+
+/* Writes the hits of one triangle in a block if t, u, v or facing are wanted: these need rays. */
+static void write_cover_numbers(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
+                                const struct mlrt_rectangle *block)
+{
+    struct mlrt_packet packet;
+    const uint32_t lanes = mlrt_block_lanes(block->width, block->height);
+    fetch_block(&job->source, block, lanes, &packet);
+    mlrt_fill_words(packet.triangle, number);
+    write_packet(job, worker, &packet, lanes, block);
+}
+
+/*
+ * Writes hits of one triangle to a rectangle of a picture, or misses if `cover` is MLRT_NONE. With hits, a picture with
+ * lights keeps its values of `occluded`. Without channels for t, u, v and facing, no ray is made: all pixels get the
+ * same ids.
+ */
+static MLRT_NOINLINE void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t cover,
+                       const struct mlrt_rectangle *tile)
+{
+    if (cover == MLRT_NONE) {
+        mlrt_write_picture_misses(job, worker, tile);
+        return;
+    }
+    if (job->any) mlrt_write_picture_shadow(worker, 1, tile);
+    if (!job->frame.numbers && !worker->tile.numbers) {
+        for (uint32_t i = 0; i < worker->sink_count; ++i) {
+            mlrt_write_same_ids(job->tree, cover, tile, worker->sinks[i]);
+        }
+        return;
+    }
+    for (uint32_t j = 0; j < tile->height; j += 4) {
+        for (uint32_t i = 0; i < tile->width; i += 4) {
+            const struct mlrt_rectangle block = mlrt_cut_piece(tile, i, j, 4);
+            write_cover_numbers(job, worker, cover, &block);
+        }
+    }
+}
+
+#endif

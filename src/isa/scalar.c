@@ -1,0 +1,7 @@
+/* SPDX-License-Identifier: MIT */
+/* The kernels in plain C, for processors without SSE2. They count. */
+#define MLRT_COUNTING 1
+#include "simd/scalar.h"
+#define BOX_KERNELS    mlrt_kernels_scalar
+#define KDTREE_KERNELS mlrt_kernels_kdtree_scalar
+#include "isa/kernels.h"

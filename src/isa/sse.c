@@ -1,0 +1,7 @@
+/* SPDX-License-Identifier: MIT */
+/* The kernels in SSE2, for every x86-64 processor. They count. */
+#define MLRT_COUNTING 1
+#include "simd/sse.h"
+#define BOX_KERNELS    mlrt_kernels_sse
+#define KDTREE_KERNELS mlrt_kernels_kdtree_sse
+#include "isa/kernels.h"

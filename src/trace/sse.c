@@ -1,6 +1,0 @@
-/* SPDX-License-Identifier: MIT */
-/* The kernels in SSE2, for every x86-64 processor. */
-#include "simd/sse.h"
-#define KERNELS mlrt_kernels_sse
-#define PICTURE mlrt_plain_picture
-#include "trace/kernels.h"

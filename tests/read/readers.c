@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Which readers this machine can run. The words of plain C run on all.
+ */
+#include "read.h"
+#include "../support.h"
+
+const struct readers *readers_of(int32_t isa)
+{
+    if (isa == MLRT_ISA_SCALAR) return &readers_scalar;
+#if MLRT_SSE_KERNELS
+    static const struct readers *const others[] = {&readers_sse, &readers_avx2, &readers_avx512};
+    if (isa_is_supported(isa)) return others[isa - MLRT_ISA_SSE];
+#endif
+    return NULL;
+}
