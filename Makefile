@@ -21,10 +21,14 @@
 #   make reproduce       the paper's tables on the procedural scenes, or on those of SCENES=folder VIEWS=cameras.json
 #   make bench           measures speed, beside Embree 3 if `make deps-study` installed it: on procedural scenes, and on
 #                        files with SCENES=folder VIEWS=cameras.json; BENCH='--threads 2' has options of build/bin/bench
-#   make charts          docs/*.png, on the same scenes: charts-accuracy draws accuracy-* (speed against wrong
-#                        decisions, stability, stages), charts-speed draws speed-* (beside Embree: takes long)
-#   make data            docs/data of tables that have no chart, on the same scenes: data-reproduction (the paper),
-#                        data-price (exactness), data-depth (kd-trees), data-python (the Python package: needs deps-python)
+#   make measure         docs/data, all of it, then charts and tables, on the same scenes and one machine: some 45 minutes
+#                        with two cores. It goes on after failures, and what was measured already on this machine and
+#                        commit is not measured again (AGAIN=1: it is); docs/data/measured.csv tells the machine and commit
+#   make charts          of these what charts show, and docs/*.png: charts-accuracy draws accuracy-* (speed against wrong
+#                        decisions, stability, stages), charts-speed draws speed-* (beside Embree)
+#   make data            and those of tables: data-reproduction (the paper), data-price (exactness), data-depth
+#                        (kd-trees), data-python (the Python package: needs deps-python)
+#   make measure-NAME    docs/data/NAME.csv alone
 #   make sweep           compares the choices that tiles make with fixed ones, on the same scenes: docs/data/sweep.csv
 #   make tables          writes the tables of README.md, docs/ and bindings/ from docs/data
 #   make deps-study      installs what these need besides: Embree 3 to compare with, matplotlib to draw
@@ -146,7 +150,7 @@ TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_
 .PHONY: install install-strip uninstall
 .PHONY: help test-packaging deps-packaging
 .PHONY: bench charts charts-accuracy charts-speed data data-reproduction data-price data-depth data-python
-.PHONY: tables check-tables check-lemmas sweep
+.PHONY: tables check-tables check-lemmas sweep measure measure-all draw programs-to-measure
 .SECONDARY:
 
 all: library examples
@@ -317,103 +321,124 @@ reproduce: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory $(BUILD)/bin/reproduce >&2
 	@$(BUILD)/bin/reproduce $(addprefix --scene ,$(SCENE_FILES)) $(addprefix --views ,$(VIEWS))
 
-# ---- speed against wrong decisions ----------------------------------------------------------------------------------
+# ---- data of charts and tables --------------------------------------------------------------------------------------
 
-# The number of rays per generator and scene, and per value of a sweep. STUDY_RAYS=1048576 takes four times as long.
-STUDY_RAYS ?= 262144
-SWEEP_RAYS ?= 16384
-STUDY_SCENES := room office building scan sphere
-STUDY_FILES = $(if $(SCENES),$(wildcard $(PAPER_SCENES:%=$(SCENES)/%.ply)))
+# measure-NAME writes docs/data/NAME.csv by the command DATA_NAME, and what it was measured on to docs/data/measured.csv; files
+# of this machine and commit stay (examples/common/measure.sh). `make measure` goes through all, the most important first, and
+# on after failures. The scenes are the procedural ones, and those of SCENES. Numbers of rays are per generator and scene, and
+# per value of a sweep.
+STUDY_RAYS ?= 131072
+SWEEP_RAYS ?= 8192
+RUNS ?= 3
+BENCH ?=
 PYTHON ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import matplotlib' 2>/dev/null && echo $(p))) python3)
-ACCURACY = $(BUILD)/bin/accuracy --csv --guess $(GUESSING)
+OF_SCENES = $(addprefix --scene ,$(1) $(if $(SCENES),$(wildcard $(2:%=$(SCENES)/%.ply)))) $(addprefix --views ,$(VIEWS))
 
-charts: charts-accuracy charts-speed
+PAPER_FILES := erw6 conference_mgf
+BENCH_FILES := erw6 conference_mgf sponza_dabrovic clinic_bim cruiser_mgf dragon
+STUDY_ALL = $(call OF_SCENES,room office building scan sphere,$(PAPER_FILES))
+BENCH_ALL = $(call OF_SCENES,$(if $(SCENES),doubled,room office building doubled scan sphere),$(BENCH_FILES))
+PAPER_ALL = $(addprefix --scene ,$(SCENE_FILES)) $(addprefix --views ,$(VIEWS))
+PAPER_ROOMS = $(call OF_SCENES,$(if $(SCENES),,room office),$(PAPER_FILES))
+PAPER_TILES = --its 128 --mts 8 --sf 16
 
-# The library without exactness, for charts of what exactness costs.
+# The library without exactness, for what exactness costs.
 GUESSING := build/guess/libmlrt.so
 ifeq ($(GUESS),)
 $(GUESSING): $(wildcard src/*/*.[ch]) include/mlrt.h
 	@$(MAKE) --no-print-directory GUESS=1 $@
 endif
+ACCURACY = $(BUILD)/bin/accuracy --csv --guess $(GUESSING)
 
-charts-accuracy: | $(AFTER_DEPS)
-	@$(MAKE) --no-print-directory $(BUILD)/bin/accuracy $(BUILD)/bin/errors $(BUILD)/bin/pays $(BUILD)/bin/bench $(GUESSING)
+DATA_bench-avx512 = $(BUILD)/bin/bench --csv --isa avx512 --runs $(RUNS) $(BENCH_ALL) $(BENCH)
+DATA_bench-avx2 = $(BUILD)/bin/bench --csv --isa avx2 --peer-isa avx2 --runs $(RUNS) $(BENCH_ALL) $(BENCH)
+DATA_bench-calls = $(BUILD)/bin/bench --study calls --alone --runs 7 $(call OF_SCENES,$(if $(SCENES),,room),erw6) $(BENCH)
+DATA_bench-build-1 = $(BUILD)/bin/bench --study build --threads 1 --runs $(RUNS) $(BENCH_ALL) $(BENCH)
+DATA_bench-build-2 = $(BUILD)/bin/bench --study build --threads 2 --runs $(RUNS) $(BENCH_ALL) $(BENCH)
+DATA_bench-triangles = $(BUILD)/bin/bench --study triangles --isa avx512 --runs $(RUNS) $(BENCH)
+DATA_bench-resolution = $(BUILD)/bin/bench --study resolution --isa avx512 --runs $(RUNS) --scene room,office,building,scan $(BENCH)
+DATA_costs = $(BUILD)/bin/bench --study costs --isa avx512 --size 512 --runs $(RUNS) $(call OF_SCENES,$(if $(SCENES),,room office),erw6 conference_mgf sponza_dabrovic clinic_bim cruiser_mgf dragon office_mgf) $(BENCH)
+DATA_methods = $(ACCURACY) $(STUDY_ALL) --generator camera,edge --rays $(STUDY_RAYS) --runs $(RUNS)
+DATA_stability = $(ACCURACY) --study stability --rays $(SWEEP_RAYS)
+DATA_stages = $(ACCURACY) --study stages $(STUDY_ALL) --generator camera,random,edge --rays $(STUDY_RAYS)
+DATA_errors = $(BUILD)/bin/errors --guess $(GUESSING) -o docs/errors.png
+DATA_pays = $(BUILD)/bin/pays --csv && $(BUILD)/bin/pays --csv --scene room,doubled,office,building | tail -n +2
+DATA_price = $(BUILD)/bin/bench --csv --alone --against $(GUESSING) --runs $(RUNS) $(call OF_SCENES,room office building scan sphere doubled,$(PAPER_FILES))
+DATA_price-guess = $(BUILD)/bin/price --csv --guess $(GUESSING) --runs 5 $(call OF_SCENES,room office building scan,$(PAPER_FILES) clinic_bim cruiser_mgf dragon)
+DATA_price-worst = $(BUILD)/bin/price --csv --worst --runs 5 $(call OF_SCENES,building,$(PAPER_FILES) dragon lost_empire)
+DATA_depth-small = $(BUILD)/bin/depth --csv
+DATA_depth-limits = $(BUILD)/bin/depth --csv --runs $(RUNS) $(call OF_SCENES,building,$(PAPER_FILES) dragon cruiser_mgf)
+DATA_steps-forms = $(BUILD)/bin/steps --study forms --runs 9 $(PAPER_ROOMS)
+DATA_steps-parts = $(BUILD)/bin/steps --study parts $(call OF_SCENES,$(if $(SCENES),,room office),$(PAPER_FILES) sponza_dabrovic)
+DATA_steps-views = $(BUILD)/bin/steps --study views $(PAPER_ROOMS)
+DATA_reproduce-1 = $(BUILD)/bin/reproduce $(PAPER_ALL) $(PAPER_TILES) --only 1
+DATA_reproduce-2 = $(BUILD)/bin/reproduce $(PAPER_ROOMS) $(PAPER_TILES) --only 2,3,4 --runs $(RUNS)
+DATA_reproduce-5 = $(BUILD)/bin/reproduce $(PAPER_ROOMS) --only 5,6,7
+PYTHON_BENCH = PYTHONPATH=bindings/python $(TEST_PYTHON) bindings/python/bench.py --csv $(BUILD)/bench.py.csv --only $(1) >&2 && cat $(BUILD)/bench.py.csv
+PYTHON_SCENES = $(call OF_SCENES,,erw6 conference_mgf dragon)
+DATA_python-arrays = $(call PYTHON_BENCH,arrays $(PYTHON_SCENES) --rounds 5)
+DATA_python-trimesh = $(call PYTHON_BENCH,trimesh $(PYTHON_SCENES) --rounds 5)
+DATA_python-calls = $(call PYTHON_BENCH,calls)
+DATA_python-distributed = $(call PYTHON_BENCH,distributed)
+DATA_sweep = $(PYTHON) examples/bench/sweep.py $(call OF_SCENES,$(if $(SCENES),office,room office building scan),$(PAPER_FILES) sponza_dabrovic dragon)
+
+SPEED_DATA := bench-avx512 bench-avx2 bench-calls bench-build-1 bench-build-2 bench-triangles bench-resolution
+ACCURACY_DATA := methods errors price pays stages stability
+PAPER_DATA := steps-forms reproduce-5 reproduce-1 reproduce-2 steps-views steps-parts
+PRICE_DATA := price-guess price-worst
+DEPTH_DATA := depth-small depth-limits
+PYTHON_DATA := python-arrays python-trimesh python-calls python-distributed
+ALL_DATA := $(SPEED_DATA) $(PAPER_DATA) $(ACCURACY_DATA) $(PRICE_DATA) $(DEPTH_DATA) $(PYTHON_DATA) costs sweep
+
+measure-%:
 	@mkdir -p docs/data
-	$(ACCURACY) $(addprefix --scene ,$(STUDY_SCENES) $(STUDY_FILES)) $(addprefix --views ,$(VIEWS)) \
-	    --generator camera,edge --rays $(STUDY_RAYS) > docs/data/methods.csv
-	$(ACCURACY) --study stability --rays $(SWEEP_RAYS) > docs/data/stability.csv
-	$(ACCURACY) --study stages $(addprefix --scene ,$(STUDY_SCENES) $(STUDY_FILES)) $(addprefix --views ,$(VIEWS)) \
-	    --generator camera,random,edge --rays $(STUDY_RAYS) > docs/data/stages.csv
-	$(BUILD)/bin/bench --csv --alone --against $(GUESSING) --runs 5 $(addprefix --scene ,$(STUDY_SCENES) doubled $(STUDY_FILES)) \
-	    $(addprefix --views ,$(VIEWS)) > docs/data/price.csv
-	$(BUILD)/bin/pays --csv > docs/data/pays.csv
-	$(BUILD)/bin/pays --csv --scene room,doubled,office,building | tail -n +2 >> docs/data/pays.csv
-	$(BUILD)/bin/errors --guess $(GUESSING) -o docs/errors.png > docs/data/errors.csv
+	@sh examples/common/measure.sh docs/data/$*.$(if $(filter reproduce-%,$*),md,csv) '$(DATA_$*)'
+
+# Programs are built once, before any is timed; then each file by itself, one after the other.
+MEASURING = accuracy bench depth errors pays price reproduce steps
+measure_each = @failed=; for one in $(1); do $(MAKE) --no-print-directory measure-$$one || failed="$$failed $$one"; done; \
+               [ -z "$$failed" ] || { echo "measure: failed:$$failed" >&2; exit 1; }
+
+programs-to-measure: | $(AFTER_DEPS)
+	@$(MAKE) --no-print-directory -k $(MEASURING:%=$(BUILD)/bin/%) $(BUILD)/libmlrt.so $(GUESSING) >&2
+
+# Charts and tables are drawn even if some data could not be measured: then from those that were there.
+measure: programs-to-measure
+	@rc=0; $(MAKE) --no-print-directory measure-all || rc=1; $(MAKE) --no-print-directory draw tables || rc=1; exit $$rc
+measure-all:
+	$(call measure_each,$(ALL_DATA))
+
+draw:
 	$(PYTHON) examples/common/stamp.py docs/errors.png docs/data/errors.csv
 	$(PYTHON) examples/study/charts.py docs/data docs
+	$(PYTHON) examples/bench/charts.py docs/data docs
 
-# ---- speed ----------------------------------------------------------------------------------------------------------
+charts: charts-accuracy charts-speed
+charts-accuracy: programs-to-measure
+	$(call measure_each,$(ACCURACY_DATA))
+	@$(MAKE) --no-print-directory draw
+charts-speed: programs-to-measure
+	$(call measure_each,$(SPEED_DATA) costs)
+	@$(MAKE) --no-print-directory draw
 
-BENCH_SCENES := room office building scan sphere
-BENCH_FILES = $(if $(SCENES),$(or $(sort $(wildcard $(SCENES)/*.ply)),$(error $(SCENES): no *.ply)))
-BENCH_ALL = $(addprefix --scene ,$(BENCH_SCENES) $(BENCH_FILES)) $(addprefix --views ,$(VIEWS))
-BENCH ?=
+data: data-reproduction data-price data-depth data-python
+data-reproduction: programs-to-measure
+	$(call measure_each,$(PAPER_DATA))
+data-price: programs-to-measure
+	$(call measure_each,$(PRICE_DATA))
+data-depth: programs-to-measure
+	$(call measure_each,$(DEPTH_DATA))
+data-python: library
+	$(call measure_each,$(PYTHON_DATA))
+sweep: programs-to-measure
+	$(call measure_each,sweep)
 
 bench: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory $(BUILD)/bin/bench >&2
 	@$(BUILD)/bin/bench $(BENCH_ALL) $(BENCH)
 
-charts-speed: | $(AFTER_DEPS)
-	@$(MAKE) --no-print-directory $(BUILD)/bin/bench
-	@mkdir -p docs/data
-	$(BUILD)/bin/bench --csv --isa avx2 --peer-isa avx2 $(BENCH_ALL) $(BENCH) > docs/data/bench-avx2.csv
-	$(BUILD)/bin/bench --csv --isa avx512 $(BENCH_ALL) $(BENCH) > docs/data/bench-avx512.csv
-	$(BUILD)/bin/bench --study triangles --isa avx512 $(BENCH) > docs/data/bench-triangles.csv
-	$(BUILD)/bin/bench --study resolution --isa avx512 --scene room,office,building,scan $(BENCH) > docs/data/bench-resolution.csv
-	for n in 1 2; do $(BUILD)/bin/bench --study build --threads $$n --runs 3 $(BENCH_ALL) $(BENCH) > docs/data/bench-build-$$n.csv; done
-	$(BUILD)/bin/bench --study calls --alone --runs 7 $(addprefix --scene ,$(filter %/erw6.ply,$(BENCH_FILES))) $(addprefix --views ,$(VIEWS)) $(BENCH) > docs/data/bench-calls.csv
-	$(BUILD)/bin/bench --study costs --isa avx2,avx512 --size 512 $(BENCH_ALL) $(BENCH) > docs/data/costs.csv
-	$(PYTHON) examples/bench/charts.py docs/data docs
-
-# Compares the choices that the library makes while it traces with fixed ones; some twenty minutes with four scenes.
-sweep: | $(AFTER_DEPS)
-	$(PYTHON) examples/bench/sweep.py $(BENCH_ALL) > docs/data/sweep.csv
-
-# ---- data of tables, and documents ----------------------------------------------------------------------------------
-
-data: data-reproduction data-price data-depth data-python
-
-# Tables of docs/reproduction.md: all scenes in the first, the two rooms in the others.
-PAPER_ROOMS = $(addprefix --scene ,$(filter %/erw6.ply %/conference_mgf.ply,$(SCENE_FILES))) $(addprefix --views ,$(VIEWS))
-PAPER_TILES = --its 128 --mts 8 --sf 16
-data-reproduction: | $(AFTER_DEPS)
-	@$(MAKE) --no-print-directory $(BUILD)/bin/reproduce $(BUILD)/bin/steps
-	$(BUILD)/bin/reproduce $(addprefix --scene ,$(SCENE_FILES)) $(addprefix --views ,$(VIEWS)) $(PAPER_TILES) --only 1 > docs/data/reproduce-1.md
-	$(BUILD)/bin/reproduce $(PAPER_ROOMS) $(PAPER_TILES) --only 2,3,4 > docs/data/reproduce-2.md
-	$(BUILD)/bin/reproduce $(PAPER_ROOMS) --only 5,6,7 > docs/data/reproduce-5.md
-	$(BUILD)/bin/steps --study forms --runs 9 $(PAPER_ROOMS) > docs/data/steps-forms.csv
-	$(BUILD)/bin/steps --study views $(PAPER_ROOMS) > docs/data/steps-views.csv
-	$(BUILD)/bin/steps --study parts $(PAPER_ROOMS) $(addprefix --scene ,$(wildcard $(SCENES)/sponza_dabrovic.ply)) > docs/data/steps-parts.csv
-
-PRICE_SCENES = room office building scan $(if $(SCENES),$(wildcard $(PAPER_SCENES:%=$(SCENES)/%.ply)))
-data-price: | $(AFTER_DEPS)
-	@$(MAKE) --no-print-directory $(BUILD)/bin/price $(GUESSING)
-	$(BUILD)/bin/price --csv --guess $(GUESSING) $(addprefix --scene ,$(PRICE_SCENES)) $(addprefix --views ,$(VIEWS)) > docs/data/price-guess.csv
-	$(BUILD)/bin/price --csv --worst $(addprefix --scene ,$(PRICE_SCENES)) $(addprefix --views ,$(VIEWS)) > docs/data/price-worst.csv
-
-DEPTH_FILES = $(if $(SCENES),$(wildcard $(patsubst %,$(SCENES)/%.ply,erw6 conference_mgf dragon cruiser_mgf)))
-data-depth: | $(AFTER_DEPS)
-	@$(MAKE) --no-print-directory $(BUILD)/bin/depth
-	$(BUILD)/bin/depth --csv > docs/data/depth-small.csv
-	$(BUILD)/bin/depth --csv --runs 3 --scene building $(addprefix --scene ,$(DEPTH_FILES)) $(addprefix --views ,$(VIEWS)) > docs/data/depth-limits.csv
-
-PYTHON_SCENES = $(patsubst %,--scene %,$(if $(SCENES),$(wildcard $(PAPER_SCENES:%=$(SCENES)/%.ply)))) $(addprefix --views ,$(VIEWS))
-data-python: library
-	for table in arrays trimesh calls distributed; do PYTHONPATH=bindings/python $(TEST_PYTHON) bindings/python/bench.py \
-	    --only $$table --csv docs/data/python-$$table.csv $(if $(SCENES),$$([ $$table = arrays -o $$table = trimesh ] && echo $(PYTHON_SCENES))); done
-
 # Documents whose tables are made from docs/data, and charts that are drawn from it; the other pictures are renderings.
-DOCUMENTS := README.md $(wildcard docs/*.md bindings/*.md bindings/*/README.md)
+DOCUMENTS := README.md $(wildcard docs/*.md docs/data/README.md bindings/*.md bindings/*/README.md)
 CHARTS := $(filter-out docs/office.png docs/engine.png docs/map-tests.png,$(wildcard docs/*.png))
 tables:
 	@$(PYTHON) examples/common/tables.py docs/data $(DOCUMENTS) $(CHARTS)

@@ -765,6 +765,7 @@ static double attack_group_plane(const float *input)
     packet.has_apex = 1;
     packet.apex[0] = input[1];
     set_group_axis(&packet, 1, 0, input[2], input[2], &axis);
+    set_group_reciprocals(input[2], input[2], &axis);
     const struct distance_interval t = plane_distances(&axis, input[0], 0);
     find_plane_distance(input[0], input[1], input[2]);
     if (is_normal(truth)) return place_in(truth, t.lo, t.hi);

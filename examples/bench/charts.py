@@ -75,7 +75,11 @@ def plain_ticks(axis, subs=(1, 2, 5)):
     axis.set_minor_formatter(NullFormatter())
 
 
+MACHINE = [""]  # what the data of the chart were measured on, in its corner
+
+
 def finish(figure, path):
+    figure.text(0.995, 0.006, MACHINE[0], ha="right", fontsize=7, color="0.5")
     figure.savefig(path, dpi=110)
     plt.close(figure)
     print(path)
@@ -204,6 +208,7 @@ def main():
         table, picture = os.path.join(data, name + ".csv"), os.path.join(output, f"speed-{chart}.png")
         rows = read(table)
         if rows:
+            MACHINE[0] = stamp.machine_of(table)
             draw(rows, picture)
             stamp.stamp(picture, [table])
 

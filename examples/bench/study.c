@@ -151,8 +151,7 @@ static int build_scene(const struct bench_settings *settings, mlrt_pool *pool, c
         const struct builder *builder = &builders[turn % BUILDER_COUNT];
         struct built *result = &built[turn % BUILDER_COUNT];
         struct span time = {0, 0};
-        result->unsupported |= settings->threads > 1 && !builder->is_peer && builder->kind >= TREE_KDTREE;
-        if (result->unsupported) continue; // kd-trees are built by one thread
+        if (result->unsupported) continue;
         failed = builder->is_peer ? build_with_peer(builder, &subject.scene, settings->threads, result, &time)
                                   : build_with_mlrt(builder, &subject.scene, pool, result, &time);
         result->elapsed[turn / BUILDER_COUNT] = time.elapsed;

@@ -2,17 +2,19 @@
 # SPDX-License-Identifier: MIT
 """sweep.py - what the library decides while it traces, against fixed choices
 
-    sweep.py [--scene NAME|FILE]... [--views FILE.json] [--kinds primary,shadow] [--rounds 15] [--lives 3] [--jobs N]
+    sweep.py [--scene NAME|FILE]... [--views FILE.json] [--kinds primary,shadow] [--rounds 9] [--lives 2] [--jobs N]
 
-builds the bench program once for every setting of src/base/tuning.h listed here (in build/sweep/), and prints CSV: scene, kind, setting,
-and its rate over that of the settings as they are. A few programs with a scene each are there at once and take turns, run by run, the
-settings as they are first. What counts is the median over the rounds of how much faster a setting was than the settings as they
-are in the same round: so what else happens on a machine, for longer than a round, happens to all. As a program may be slow all its
-life by where its memory lies, all this is done for several lives, and the median of these counts. The settings as they are take
-part twice, which shows how far chance goes.
+measures the bench program of build/, the settings as they are, against one for every setting of src/base/tuning.h listed here
+(in build/sweep/: the same objects, but for those that the setting changes; the kernels of SSE2 and plain C keep theirs), and prints
+CSV: scene, kind, setting, and its rate over that of the settings as they are. A few programs with a scene each are there at once and
+take turns, run by run, the settings as they are first. What counts is the median over the rounds of how much faster a setting was
+than the settings as they are in the same round: so what else happens on a machine, for longer than a round, happens to all. As a
+program may be slow all its life by where its memory lies, all this is done for several lives, and the median of these counts. The
+settings as they are take part twice, which shows how far chance goes.
 """
 import argparse
 import os
+import shutil
 import statistics
 import subprocess
 import sys
@@ -28,31 +30,50 @@ SETTINGS = {
     "always squares": {"SQUARE_RUN": "0"},
     "tiles always open": {"FIRST_OPEN_TILES": "0xFFFFFFFFu"},
     "tiles always closed": {"TILE_RUN": "0"},
-    "runs of 1": {"TILE_RUN": "1", "SQUARE_RUN": "1"},
-    "runs of 8": {"TILE_RUN": "8", "SQUARE_RUN": "8"},
     "wide packets stay": {"WIDE_FACTOR": "1e30f"},
     "wide from 2.5": {"WIDE_FACTOR": "2.5f"},
-    "wide from 6": {"WIDE_FACTOR": "6.0f"},
     "few rays stay": {"MANY_PACKETS": "17"},
-    "few rays up to 16": {"FEW_RAYS": "16"},
-    "few rays up to 64": {"FEW_RAYS": "64"},
     "leaves never asked": {"FEW_LEAF_RAYS": "0"},
     "tests without end": {"MOST_TESTS": "0xFFFFFFFFu"},
-    "64 tests at most": {"MOST_TESTS": "64"},
-    "32 set-ups kept": {"LEAF_SETUP_BITS": "5"},
     "512 set-ups kept": {"LEAF_SETUP_BITS": "9"},
     "small leaves": {"TRIANGLE_COST": "0.08f"},
     "large leaves": {"TRIANGLE_COST": "0.005f"},
 }
 
 
+def changed_sources(macros):
+    """The units that depend on one of these macros, by what the compiler wrote when it built build/."""
+    mentioned = set()
+    for folder, _, files in os.walk("src"):
+        for file in files:
+            with open(os.path.join(folder, file)) as text:
+                if file != "tuning.h" and any(f"MLRT_{macro}" in line for line in text for macro in macros):
+                    mentioned.add(os.path.join(folder, file))
+    sources = set()
+    for folder, _, files in os.walk(os.path.join("build", "obj")):
+        for file in files:
+            if file.endswith(".d"):
+                with open(os.path.join(folder, file)) as text:
+                    words = text.read().split()
+                sources.update([words[1]] if mentioned & set(words) else [])
+    return sorted(sources - {"src/isa/sse.c", "src/isa/scalar.c"})
+
+
 def program(name, jobs):
     """Builds the bench program with a setting, and returns where it is."""
-    folder = os.path.join("build", "sweep", name.replace(" once more", "").replace(" ", "-"))
-    flags = " ".join(f"-DMLRT_{macro}={value}" for macro, value in SETTINGS[name].items())
+    macros = SETTINGS[name]
+    make = ["make", "--no-print-directory", f"-j{jobs}"]
+    if not macros:
+        subprocess.run(make + ["build/bin/bench"], check=True, stdout=sys.stderr)
+        return os.path.join("build", "bin", "bench")
+    folder = os.path.join("build", "sweep", name.replace(" ", "-"))
+    shutil.rmtree(folder, ignore_errors=True)
+    for part in ("obj", "examples"):
+        shutil.copytree(os.path.join("build", part), os.path.join(folder, part))
+    flags = " ".join(f"-DMLRT_{macro}={value}" for macro, value in macros.items())
+    changed = [word for source in changed_sources(macros) for word in ("-W", source)]
     path = os.path.join(folder, "bin", "bench")
-    make = ["make", "--no-print-directory", f"-j{jobs}", f"BUILD={folder}", f"CPPFLAGS={flags}", path]
-    subprocess.run(make, check=True, stdout=sys.stderr)
+    subprocess.run(make + changed + [f"BUILD={folder}", f"CPPFLAGS={flags}", path], check=True, stdout=sys.stderr)
     return path
 
 
@@ -116,8 +137,8 @@ def main():
     parser.add_argument("--scene", action="append")
     parser.add_argument("--views")
     parser.add_argument("--kinds", default="primary,shadow")
-    parser.add_argument("--rounds", type=int, default=15)
-    parser.add_argument("--lives", type=int, default=3)
+    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--lives", type=int, default=2)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     options = parser.parse_args()
     paths = {name: program(name, options.jobs) for name in SETTINGS}

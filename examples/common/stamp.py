@@ -6,6 +6,7 @@
 The stamp is a text chunk, "Data", of names and the beginnings of their SHA-256: "methods.csv 0123456789abcdef, ...".
 Nothing but Python's own modules is needed.
 """
+import csv
 import hashlib
 import os
 import struct
@@ -57,6 +58,17 @@ def mistakes(path, folder):
         elif describe(data) != part:
             found.append(f"is drawn from another {data}")
     return found
+
+
+def machine_of(table):
+    """The processor that measured this table and the widest vectors that it has, by measured.csv beside it (measure.sh); or nothing."""
+    listed = os.path.join(os.path.dirname(table), "measured.csv")
+    if os.path.exists(listed):
+        with open(listed, newline="") as file:
+            for row in csv.DictReader(file):
+                if row["file"] == os.path.basename(table):
+                    return f"{row['processor']}, {row['vectors']}, {row['measured']}"
+    return ""
 
 
 if __name__ == "__main__":

@@ -117,7 +117,11 @@ class WrongAxis:
             axes.axvspan(low, self.floor - 0.03, color="#eeeeee", zorder=0)
 
 
+MACHINE = [""]  # what the data of the chart were measured on, in its corner
+
+
 def finish(figure, path):
+    figure.text(0.995, 0.006, MACHINE[0], ha="right", fontsize=7, color="0.5")
     figure.savefig(path, dpi=110)
     plt.close(figure)
     print(path)
@@ -459,6 +463,7 @@ def main():
         table, picture = os.path.join(data, name + ".csv"), os.path.join(output, chart + ".png")
         rows = read(table)
         if rows:
+            MACHINE[0] = stamp.machine_of(table)
             draw(rows, picture)
             stamp.stamp(picture, [table])
 

@@ -76,10 +76,8 @@ static const struct preset PRESETS[] = {
 #define COUNT_LIMIT 0x3FFFFFFFu
 
 /*
- * Cells of more references than this, and than this part of the triangles, are cut into parts. By the processor times
- * of the parts, two workers take 1 / 1.57 (cruiser) to 1 / 1.83 (dragon) of the time of one, and eight 1 / 2.4 to 1 /
- * 4.5. With 4096 references and a 64th, they take 1 / 1.60 to 1 / 1.81, and 1 / 2.4 to 1 / 3.9. What is missing are the
- * first rounds, which have fewer cells than there are workers.
+ * Cells of more references than this, and than this part of the triangles, are cut into parts. `bench --study build`
+ * shows what several workers gain. What is missing are the first rounds, which have fewer cells than there are workers.
  */
 #define PART_SIZE  2048
 #define PART_SHARE 512

@@ -62,6 +62,7 @@ MLRT_INLINE struct distance_interval plane_distances(const struct group_axis *ax
 MLRT_INLINE struct distance_interval cut_to_box(const struct group_axis axis[3], const struct mlrt_box *box,
                                                 struct distance_interval part, int has_apex)
 {
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const float near = axis[k].negative ? box->hi[k] : box->lo[k], far = axis[k].negative ? box->lo[k] : box->hi[k];
         const float enter = plane_distances(&axis[k], near, has_apex).lo;
@@ -182,19 +183,29 @@ static void traverse_subtree(const struct mlrt_job *job, uint32_t node, struct d
     }
 }
 
-/* Traces a group from the nodes of a list. */
+/*
+ * Traces a group from the nodes of a list. If this is one leaf, the group need not know where it enters and leaves, since
+ * all rays of the tile's beam go there.
+ */
 static void traverse_list(const struct mlrt_job *job, const struct entry_list *list, struct ray_group *group,
                           struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const int has_outlines = group->has_frustum && list->axis_code == group->axis_code;
-    const float nearest = lowest(packet->t_min, group->lanes);
-    float farthest = highest(packet->hi, group->lanes);
+    float farthest = group->range.hi[3];
+    const struct mlrt_node *first = &job->tree->kdtree.nodes[list->entries[0].node];
+    if (list->count == 1 && mlrt_node_is_leaf(first)) {
+        COUNT(&worker->counters, cell_count, 1);
+        visit_leaf(job, first, &farthest, group, packet, worker);
+        return;
+    }
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) set_group_reciprocals(group->range.lo[k], group->range.hi[k], &group->axis[k]);
     for (uint32_t i = 0; i < list->count; ++i) {
         if (has_outlines && !touched_lanes(group, &list->outlines[i], farthest)) {
             COUNT(&worker->counters, cell_count, 1);
             continue;
         }
-        const struct distance_interval ray = {nearest, farthest};
+        const struct distance_interval ray = {group->range.lo[3], farthest};
         const struct distance_interval part = box_distances(group, &list->entries[i].box, ray);
         if (part.lo > part.hi) {
             COUNT(&worker->counters, cell_count, 1);

@@ -127,9 +127,9 @@ MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lane
     struct ray_axis axis[3];
     struct ray_group group = {.lanes = lanes};
     uint32_t negative[3];
-    struct direction_range range;
+    struct lane_range range;
     struct masked_interval part;
-    find_directions(packet, lanes, &range);
+    find_range(packet, lanes, &range);
     for (int k = 0; k < 3; ++k) {
         negative[k] = range.lo[k] < 0;
         group.axis[k].reach = negative[k] ? -range.lo[k] : range.hi[k];

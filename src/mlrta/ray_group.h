@@ -32,6 +32,12 @@
  */
 #define GROUP_EXTENT 0.03125f
 
+/* Bounds of the directions of some lanes; and, with index 3, the least t_min and the greatest distance to look at. */
+struct lane_range {
+    MLRT_ALIGNED(16) float lo[4];
+    MLRT_ALIGNED(16) float hi[4];
+};
+
 /* The rays along one axis. */
 struct group_axis {
     float origin_lo;
@@ -47,7 +53,8 @@ struct group_axis {
 
 struct ray_group {
     uint32_t lanes;
-    struct group_axis axis[3];
+    struct lane_range range;
+    struct group_axis axis[3]; /* set_group_reciprocals sets `small` and `large` */
     uint32_t axis_code;        /* the main axis, that of the largest |d_k|, and its sign (outline.h) */
     float reach;               /* the larger of |d_main| and twice any other |d_k|: R of triangle_filter.h */
     int has_frustum;           /* the rays have a common origin, and `slopes` is set */
@@ -55,27 +62,32 @@ struct ray_group {
     uint32_t seen[SEEN_COUNT]; /* triangles tested lately: entry number % SEEN_COUNT */
 };
 
-/* Bounds of the directions of some lanes. */
-struct direction_range {
-    float lo[3];
-    float hi[3];
-};
-
-MLRT_INLINE void find_directions(const struct mlrt_packet *packet, uint32_t lanes, struct direction_range *range)
+/* Not inlined: its four callers would have 2.5 kB more in all. */
+static MLRT_NOINLINE void find_range(const struct mlrt_packet *packet, uint32_t lanes, struct lane_range *range)
 {
-    for (int k = 0; k < 3; ++k) {
-        range->lo[k] = lowest(packet->direction[k], lanes);
-        range->hi[k] = highest(packet->direction[k], lanes);
+    const vf none = v_set1(INFINITY), zero = v_set1(0);
+    vf least[4] = {none, none, none, none}, negated[4] = {none, none, none, none};
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vm chosen = m_from_bits(lanes >> v);
+        MLRT_UNROLL
+        for (int k = 0; k < 4; ++k) {
+            const vf lo = v_load((k < 3 ? packet->direction[k] : packet->t_min) + v);
+            const vf hi = v_load((k < 3 ? packet->direction[k] : packet->hi) + v);
+            least[k] = v_min(v_select(chosen, lo, none), least[k]);
+            negated[k] = v_min(v_select(chosen, v_sub(zero, hi), none), negated[k]);
+        }
     }
+    f4_store(range->lo, v_hmin4(least[0], least[1], least[2], least[3]));
+    f4_store(range->hi, f4_sub(f4_set1(0), v_hmin4(negated[0], negated[1], negated[2], negated[3])));
 }
 
-MLRT_INLINE int have_common_signs(const struct direction_range *range)
+MLRT_INLINE int have_common_signs(const struct lane_range *range)
 {
     return !((range->lo[0] < 0 && range->hi[0] >= 0) || (range->lo[1] < 0 && range->hi[1] >= 0) ||
              (range->lo[2] < 0 && range->hi[2] >= 0));
 }
 
-MLRT_INLINE int are_narrow(const struct direction_range *range)
+MLRT_INLINE int are_narrow(const struct lane_range *range)
 {
     float spread = 0, length = 0;
     for (int k = 0; k < 3; ++k) {
@@ -132,15 +144,21 @@ static uint32_t near_lanes(const struct mlrt_packet *packet, uint32_t lanes, con
     return lanes_within(packet->origin, lanes, mlrt_lowest_bit(lanes), GROUP_EXTENT * 0.5f * extent);
 }
 
-MLRT_INLINE void set_group_axis(const struct mlrt_packet *packet, uint32_t lanes, int k, float lo, float hi,
-                                struct group_axis *axis)
+/* `lo` and `hi` bound the directions along this axis. */
+MLRT_INLINE void set_group_reciprocals(float lo, float hi, struct group_axis *axis)
 {
-    axis->negative = lo < 0;
     /* Adding 0 turns -0 into 0, so that the reciprocals of a group that is not negative are not negative. */
     const float largest = (axis->negative ? lo : hi) + 0.0f, smallest = (axis->negative ? hi : lo) + 0.0f;
     axis->small = (1 / largest) * (1 - RECIPROCAL_SLACK);
     axis->large = (1 / smallest) * (1 + RECIPROCAL_SLACK);
-    axis->reach = largest < 0 ? -largest : largest;
+}
+
+/* Sets all but the reciprocals. */
+MLRT_INLINE void set_group_axis(const struct mlrt_packet *packet, uint32_t lanes, int k, float lo, float hi,
+                                struct group_axis *axis)
+{
+    axis->negative = lo < 0;
+    axis->reach = axis->negative ? -lo : hi;
     if (packet->has_apex) {
         axis->origin_lo = axis->origin_hi = packet->apex[k];
     } else {
@@ -183,19 +201,20 @@ MLRT_INLINE void set_frustum(const struct mlrt_packet *packet, struct ray_group 
 static void make_group(const struct mlrt_packet *packet, uint32_t lanes, const struct mlrt_box *bounds,
                        struct ray_group *group)
 {
-    struct direction_range range;
+    struct lane_range *range = &group->range;
     if (!packet->has_apex) lanes = near_lanes(packet, lanes, bounds);
-    find_directions(packet, lanes, &range);
-    if (MLRT_UNLIKELY(!have_common_signs(&range))) {
+    find_range(packet, lanes, range);
+    if (MLRT_UNLIKELY(!have_common_signs(range))) {
         lanes = same_sign_lanes(packet, lanes);
-        find_directions(packet, lanes, &range);
+        find_range(packet, lanes, range);
     }
-    if (MLRT_UNLIKELY(!are_narrow(&range))) {
+    if (MLRT_UNLIKELY(!are_narrow(range))) {
         lanes = similar_lanes(packet, lanes);
-        find_directions(packet, lanes, &range);
+        find_range(packet, lanes, range);
     }
     group->lanes = lanes;
-    for (int k = 0; k < 3; ++k) set_group_axis(packet, lanes, k, range.lo[k], range.hi[k], &group->axis[k]);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) set_group_axis(packet, lanes, k, range->lo[k], range->hi[k], &group->axis[k]);
     set_main_axis(group);
     set_frustum(packet, group);
     for (int i = 0; i < SEEN_COUNT; ++i) group->seen[i] = MLRT_NONE;

@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "base/structs.h"
+#include "exact/triangle.h"
 
 /* Up to here float holds the number of a column or row exactly, and its sum with 0.5. */
 #define PIXEL_LIMIT (1u << 23)
@@ -71,8 +72,10 @@ int32_t mlrt_make_view(const mlrt_camera *camera, struct mlrt_view *view)
 
     view->first_x = camera->crop_x;
     view->first_y = camera->crop_y;
+    view->eye_is_safe = 1;
     for (int k = 0; k < 3; ++k) {
         view->eye[k] = camera->eye[k];
+        view->eye_is_safe &= mlrt_is_float_safe(view->eye[k]);
         view->direction[k] = camera->direction[k] + 0.0f; /* -0 becomes 0 */
         view->d00[k] = camera->d00[k];
         view->dx[k] = camera->dx[k];

@@ -13,6 +13,7 @@ struct mlrt_view {
     uint32_t first_x;
     uint32_t first_y;
     float eye[3];       /* pinhole: every origin */
+    int eye_is_safe;    /* mlrt_are_float_safe(eye) */
     float direction[3]; /* parallel: every direction */
     float d00[3];
     float dx[3];

@@ -18,18 +18,21 @@ static void get_pinhole_packet(const struct mlrt_view *view, uint32_t x, uint32_
     packet->has_apex = 1;
     packet->has_skip = packet->has_masks = 0;
     packet->has_limits = view->t_min > 0;
-    struct checked_lanes checked = {0, 0, 0};
+    struct checked_lanes checked;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf xs = v_add(v_add(x0, v_load(mlrt_lane_x + v)), v_set1(view->sample_x));
         const vf ys = v_add(v_add(y0, v_load(mlrt_lane_y + v)), v_set1(view->sample_y));
-        vf d[3];
-        for (int k = 0; k < 3; ++k)
-            d[k] = v_add(v_add(v_set1(view->d00[k]), v_mul(xs, v_set1(view->dx[k]))), v_mul(ys, v_set1(view->dy[k])));
-        take_directions(d, v, packet, &checked);
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k) {
+            const vf row = v_add(v_set1(view->d00[k]), v_mul(xs, v_set1(view->dx[k])));
+            const vf d = v_add(row, v_mul(ys, v_set1(view->dy[k])));
+            v_store(packet->direction[k] + v, v_add(d, v_set1(0))); /* -0 becomes 0 */
+        }
         take_limits(v_set1(view->t_min), v_set1(view->t_max), v, packet);
     }
+    check_lanes(packet->direction, &checked);
     const uint32_t valid = view->t_min < view->t_max ? lanes & checked.finite & checked.nonzero : 0;
-    packet->active = mlrt_are_float_safe(view->eye) ? valid & checked.safe : 0;
+    packet->active = view->eye_is_safe ? valid & checked.safe : 0;
     packet->single = valid & ~packet->active;
 }
 

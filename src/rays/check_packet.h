@@ -76,14 +76,6 @@ MLRT_INLINE void add_checked_vectors(const struct checked_vectors *checked, int 
     lanes->nonzero |= m_bits(v_gt(checked->size, v_set1(0))) << v;
 }
 
-/* Checks the directions of the VW lanes from lane v on and stores them in the packet. -0 becomes 0. */
-MLRT_INLINE void take_directions(const vf d[3], int v, struct mlrt_packet *packet, struct checked_lanes *lanes)
-{
-    const struct checked_vectors checked = check_vectors(d);
-    add_checked_vectors(&checked, v, lanes);
-    for (int k = 0; k < 3; ++k) v_store(packet->direction[k] + v, v_add(d[k], v_set1(0)));
-}
-
 /* Checks the vectors of all lanes: together, and only if that fails, each of them. */
 static MLRT_NOINLINE void check_lanes(float (*rows)[MLRT_PACKET_RAYS], struct checked_lanes *lanes)
 {
