@@ -595,8 +595,8 @@ enum {
  * Instruction sets: mlrt_trace_options.isa. The answers are the same from each. One that this machine or build does not
  * have is MLRT_ERROR_UNSUPPORTED.
  *
- * Method tile has kernels for all of them, but those of the narrowest one count (mlrt_trace_options.counters): SSE2, or
- * plain C where there is no SSE2. Whichever is asked for, the methods of the kd-tree use AVX2 where the machine has it
+ * Method tile has kernels for all of them, but calls with counters get those of the narrowest one: SSE2, or plain C where
+ * there is no SSE2. Whichever is asked for, the methods of the kd-tree use AVX2 where the machine has it
  * and this is at least asked for (packet2 and calls with counters do not), else the narrowest one, and method ray is
  * plain C.
  */

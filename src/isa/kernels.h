@@ -1,21 +1,27 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The kernels of an instruction set, in the words of the simd header that was included before. If its file defines
- * MLRT_COUNTING as 1 before, they count (counters.h). Both structures are in one unit, since they share the functions of
- * hits/ and rays/. Everything is static but the tables.
+ * MLRT_COUNTING as 1 before, they count (counters.h). BOX_KERNELS and KDTREE_KERNELS name the table of a structure; only
+ * what is named is compiled. Both structures are in one unit, since they share the functions of hits/ and rays/.
+ * Everything is static but the tables.
  */
 #ifndef MLRT_ISA_KERNELS_H
 #define MLRT_ISA_KERNELS_H
 
+#include "hits/blocks.h"
+#include "hits/close_calls.h"
 #include "job/job.h"
+#include "rays/extremes.h"
 #include "simd/simd.h"
+
+#ifdef BOX_KERNELS
 #include "trace/levels.h"
 #include "trace/one_ray.h"
 
 const struct mlrt_kernels BOX_KERNELS = {.trace_area = trace_area, .trace_ray = trace_one_ray};
+#endif
 
-/* Sixteen lanes are no faster for a kd-tree than eight. */
-#if VW <= 8
+#ifdef KDTREE_KERNELS
 #include "mlrta/levels.h"
 
 const struct mlrt_kernels KDTREE_KERNELS = {.trace_area = trace_kdtree_area};

@@ -94,6 +94,7 @@ struct mlrt_structure {
          * whether or not they are asked to; the others do not.
          */
         const struct mlrt_kernels *kernels[MLRT_ISA_AVX512 + 1];
+        const struct mlrt_kernels *counting; /* of the narrowest set, perhaps the same */
         /*
          * Lays out and clears what a worker keeps for the kernels, from `memory` on, in whole cache lines. Returns its
          * bytes. With NULL, only returns them.
