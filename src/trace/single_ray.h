@@ -5,13 +5,13 @@
  * any hit: the one that is most likely to have a hit). The others wait on a stack, and are dropped if they begin behind
  * the nearest hit so far.
  *
- * BOXES. A ray is in a slab between t_near and t_far. Each is x r, with x = c - o for the plane at c, and r = 1 / d. As
- * computed, x and r have one rounding each; r is multiplied by 1 -+ RECIPROCAL_SLACK (8 u), which is one rounding more.
- * So before the product is rounded, t_near is surely too small and t_far surely too large if they are positive. (A
- * t_near that is not positive does not matter; a t_far that is negative says rightly that the box is behind.) The
- * rounding of the product is monotone, and t_min and the `hi` of the nearest hit are floats: so where t_near <= t_far,
- * t_near <= hi and t_min <= t_far are true, they remain true, even with underflow. So a box is left out only if the ray
- * surely passes it, or surely enters it behind `hi`.
+ * BOXES. A ray is in a slab between t_near and t_far. Each is x r, with x = c - o for the plane at c, and r = 1 / d.
+ * (The code has both factors with the opposite sign.) As computed, x and r have one rounding each; r is multiplied by
+ * 1 -+ RECIPROCAL_SLACK (8 u), which is one rounding more. So before the product is rounded, t_near is surely too small
+ * and t_far surely too large if they are positive. (A t_near that is not positive does not matter; a t_far that is
+ * negative says rightly that the box is behind.) The rounding of the product is monotone, and t_min and the `hi` of the
+ * nearest hit are floats: so where t_near <= t_far, t_near <= hi and t_min <= t_far are true, they remain true, even
+ * with underflow. So a box is left out only if the ray surely passes it, or surely enters it behind `hi`.
  *
  * If d_k = 0, r is infinite. Then t_near is -inf and t_far inf if the origin is inside the slab; both are inf, or both
  * -inf, if it is outside; if it is on a plane of the slab, one is a NaN, which v_min and v_max drop because it is their
