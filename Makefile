@@ -102,7 +102,8 @@ TLS      := $(if $(IS_X86),$(shell $(CC) -Werror -mtls-dialect=gnu2 -fPIC -S -x 
 COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(LAYOUT) $(TLS) $(CFLAGS) $(EXACT) $(SANITIZE) $(if $(RENAME),-DMLRT_PREFIX=$(RENAME)) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
 LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
-# One object of kernels per instruction set, and one of the kd-tree without counting. Plain C is one only where there is no SSE2, but its words are tested anywhere.
+# One object of kernels per instruction set, and in SSE2 another one of the kd-tree, which does not count. Kernels in plain
+# C exist only where there is no SSE2 (or with SCALAR=1), but their words are tested anywhere.
 ALL_ISAS    := scalar sse avx2 avx512
 KERNELS     := $(if $(and $(IS_X86),$(if $(SCALAR),,1)),sse sse_kdtree avx2 avx512,scalar)
 ISAS        := scalar $(filter-out scalar sse_kdtree,$(KERNELS))

@@ -5,8 +5,8 @@
  *     errors -o errors.png
  *
  * A row for each scene where float arithmetic is at its limits, a column for each method. Each pixel is a ray; its
- * answer is compared with exact arithmetic (study/oracle.h), and t with the correctly rounded one. Under each map stands
- * the number of wrong answers, without those where only t is rounded otherwise.
+ * answer is compared with exact arithmetic (study/oracle.h), and t with the correctly rounded one. Under each map
+ * stands the number of wrong answers, without those where only t is rounded otherwise.
  *
  * Exit codes: 0, 1 if something failed or the library was wrong anywhere, 2 for a mistake on the command line.
  */

@@ -5,8 +5,8 @@
  * For each scene it builds the kd-trees of both presets, from which all tables take their numbers. The answers of each
  * picture whose work is counted are compared with those of method ray. Counters are those of one thread. Times are
  * medians of runs that take turns, so that a machine that slows down or speeds up does so for all of them: processor
- * time of one thread, also to build, and elapsed time of several. Where runs would take too long there are fewer, but at
- * least three.
+ * time of one thread, also to build, and elapsed time of several. Where runs would take too long there are fewer, but
+ * at least three.
  *
  * Exit codes: 0, 1 if something failed or an answer differed, 2 for a mistake on the command line.
  *
@@ -454,8 +454,8 @@ static double clock_of(const struct contender *contender)
 }
 
 /*
- * Lets the contenders take turns, after a turn each that does not count. If all turns would take longer than TURNS_LIMIT
- * seconds by the first, there are fewer runs, but at least three.
+ * Lets the contenders take turns, after a turn each that does not count. If all turns would take longer than
+ * TURNS_LIMIT seconds by the first, there are fewer runs, but at least three.
  */
 #define TURNS_LIMIT 15.0
 

@@ -10,9 +10,9 @@
  * thread. What is counted is counted once, apart from the times. Each line is printed when it is known.
  *
  * Parts: a packet alone is measured by a picture that looks away from the scene. From random places, with tiles of
- * several sizes, the numbers of steps, tests and beams of a picture vary more or less alone. Their costs are those which
- * predict all the times best: least squares of the relative errors, and none below 0. A cycle is half the time of two
- * additions that wait for each other.
+ * several sizes, the numbers of steps, tests and beams of a picture vary more or less alone. Their costs are those
+ * which predict all the times best: least squares of the relative errors, and none below 0. A cycle is half the time of
+ * two additions that wait for each other.
  *
  * Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
  */

@@ -595,14 +595,13 @@ enum {
  * Instruction sets: mlrt_trace_options.isa. The answers are the same from each. One that this machine or build does not
  * have is MLRT_ERROR_UNSUPPORTED.
  *
- * Method tile has kernels for all of them, but calls with counters get those of the narrowest one: SSE2, or plain C where
- * there is no SSE2. Whichever is asked for, the methods of the kd-tree use AVX2 where the machine has it
- * and this is at least asked for (packet2 and calls with counters do not), else the narrowest one, and method ray is
- * plain C.
+ * Method tile uses the one that is asked for. Methods packet4 and multilevel have AVX2 in place of AVX-512. Method
+ * packet2, and calls with counters, use the narrowest one of the build, whichever is asked for: SSE2, or plain C in
+ * builds without SSE2. Method ray is plain C.
  */
 enum {
     MLRT_ISA_AUTO = 0,   /* the best that this machine has */
-    MLRT_ISA_SCALAR = 1, /* plain C: only in builds for processors without SSE2, which have no other */
+    MLRT_ISA_SCALAR = 1, /* plain C: only in builds without SSE2, which have no other */
     MLRT_ISA_SSE = 2,    /* SSE2, on every x86-64: 4 boxes, packets, triangles or rays at a time */
     MLRT_ISA_AVX2 = 3,   /* AVX2 and FMA: 8 at a time */
     MLRT_ISA_AVX512 = 4  /* AVX-512 F and DQ: 16 at a time */
@@ -723,8 +722,8 @@ typedef struct mlrt_array {
 
 /*
  * The arrays that receive results. MLRT_QUERY_CLOSEST writes the first six, and with lights also the last;
- * MLRT_QUERY_ANY writes only the last. An array that the query does not write must be NULL, and one must be given, unless
- * there are no rays, or the call has a callback or counters.
+ * MLRT_QUERY_ANY writes only the last. An array that the query does not write must be NULL, and one must be given,
+ * unless there are no rays, or the call has a callback or counters.
  *
  * `mesh`, `triangle` and `facing` tell hits from misses. `t` does not: the t of a hit farther away than the greatest
  * float rounds to inf, which is that of a miss, and a very small one rounds to 0, though 0 < t.

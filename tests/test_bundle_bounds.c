@@ -189,8 +189,8 @@ static void reciprocals_may_overflow(void **state)
 }
 
 /*
- * A triangle 2^-80 beside the waist, in depth, and 2^50 aside: seen from there it has no slope that float carries, but rays
- * that begin as far aside hit it.
+ * A triangle 2^-80 beside the waist, in depth, and 2^50 aside: seen from there it has no slope that float carries, but
+ * rays that begin as far aside hit it.
  */
 static void slopes_of_triangles_may_overflow(void **state)
 {
@@ -216,8 +216,8 @@ static void slopes_of_triangles_may_overflow(void **state)
 }
 
 /*
- * Tiles whose waist is one point: that of parallel rays of one direction, of another, and of rays that begin there. What is
- * kept of a leaf says where its triangles are seen along one direction.
+ * Tiles whose waist is one point: that of parallel rays of one direction, of another, and of rays that begin there.
+ * What is kept of a leaf says where its triangles are seen along one direction.
  */
 static void one_waist_has_many_slopes(void **state)
 {
@@ -690,8 +690,8 @@ static void find_exact_place(int side, mpf_t depth)
 }
 
 /*
- * A box that the first ray meets at the depth of a point, as small as floats allow there, deeper than that or less deep if
- * other numbers say so: nobody may leave it out. Returns 0 if nobody does.
+ * A box that the first ray meets at the depth of a point, as small as floats allow there, deeper than that or less deep
+ * if other numbers say so: nobody may leave it out. Returns 0 if nobody does.
  */
 static double boxes_over(const float *input, int count, int has_places)
 {
@@ -739,9 +739,9 @@ static double attack_apex_box_met(const float *input)
 }
 
 /*
- * Outlines of a point in the triangle's place: as fans, or as beams along any slope. How much is used of 2^-20 of all that
- * is added up, what places may be off by, and the floor: where the ray passes the point by d, the comparison must be
- * closer to what is met than d.
+ * Outlines of a point in the triangle's place: as fans, or as beams along any slope. How much is used of 2^-20 of all
+ * that is added up, what places may be off by, and the floor: where the ray passes the point by d, the comparison must
+ * be closer to what is met than d.
  */
 static double outlines_over(const float *input, int has_places)
 {
@@ -954,8 +954,9 @@ static double attack_apex_n(const float *input)
 }
 
 /*
- * A closed packet of two rays, or of one, is offered a triangle: what becomes of it must be right for both, and depths must
- * be between the ends that are kept. Of one ray these are near enough to each other to say how much of them is used.
+ * A closed packet of two rays, or of one, is offered a triangle: what becomes of it must be right for both, and depths
+ * must be between the ends that are kept. Of one ray these are near enough to each other to say how much of them is
+ * used.
  */
 static double covers_over(const float *input, int has_places)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * exact/big_numbers.c against GMP: conversions, sums, differences and products of numbers of every size up to the largest that the
- * hit rule can form, and the one form that each value has.
+ * exact/big_numbers.c against GMP: conversions, sums, differences and products of numbers of every size up to the
+ * largest that the hit rule can form, and the one form that each value has.
  */
 #include <float.h>
 #include <math.h>

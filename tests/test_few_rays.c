@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where few rays of a tile meet something they go on one by one (trace_few_of_bundle): in meshes much finer than the picture,
- * which have exact ties, and whose answers must be those of rays that were alone from the start.
+ * Where few rays of a tile meet something they go on one by one (trace_few_of_bundle): in meshes much finer than the
+ * picture, which have exact ties, and whose answers must be those of rays that were alone from the start.
  */
 #include <math.h>
 #include <string.h>

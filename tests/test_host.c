@@ -332,7 +332,9 @@ static void sizes_are_those_of_the_books(void **state)
         assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_OK);
         assert_int_equal(info.memory_size, books.held_size);
         assert_int_equal(info.peak_memory_size, books.peak_size);
-        /* Of boxes it has a margin for scenes with many spatial splits. Of a kd-tree it is a guess, and this is a soup. */
+        /*
+         * Of boxes it has a margin for scenes with many spatial splits. Of a kd-tree it is a guess, and this is a soup.
+         */
         const uint64_t least = info.memory_size / 4, least_peak = info.peak_memory_size / 4;
         const int boxes = kind <= MLRT_TREE_BEST;
         assert_in_range(estimate.memory_size, (boxes ? 3 : 2) * least, (boxes ? 6 : 12) * least);

@@ -103,9 +103,9 @@ static struct plain_ray pixel_ray(const struct subject *subject, uint32_t x, uin
 }
 
 /*
- * How far a ray is from missing a box: the length of its way through it, or, if the box is flat, through which it has no
- * way, the distance along the ray from its crossing to where it enters or leaves the box's other sides. Negative if the
- * ray misses the box.
+ * How far a ray is from missing a box: the length of its way through it, or, if the box is flat, through which it has
+ * no way, the distance along the ray from its crossing to where it enters or leaves the box's other sides. Negative if
+ * the ray misses the box.
  */
 static double way_through(const struct plain_ray *ray, const struct mlrt_box *box)
 {
@@ -283,7 +283,9 @@ static void direct_culling_loses_no_ray_either(void **state)
 
 /* ---- culling decisions ------------------------------------------------------------------------------------------- */
 
-/* Decisions about cells that rays of a beam pass: `lost` excluded a child that a ray passes; `idle` kept an empty one. */
+/*
+ * Decisions about cells that rays of a beam pass: `lost` excluded a child that a ray passes; `idle` kept an empty one.
+ */
 struct decisions {
     unsigned all, lost, idle;
 };

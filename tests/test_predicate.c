@@ -204,7 +204,10 @@ static void any_point_in_plane(float point[3])
     point[(zero + 2) % 3] = -size;
 }
 
-/* Nearly all points in one plane, and sizes too different for any grid: exact zeros that only exact/big_numbers.h can tell. */
+/*
+ * Nearly all points in one plane, and sizes too different for any grid: exact zeros that only exact/big_numbers.h can
+ * tell.
+ */
 static void make_wide_plane(struct test_case *test)
 {
     fill(test, any_finite_float);
@@ -706,7 +709,9 @@ static int expected_share(struct integers *first, const struct integers *second)
     return 1;
 }
 
-/* Offers the first triangle in double where the second is hit, with bounds of its t. `order` is that of the triangles. */
+/*
+ * Offers the first triangle in double where the second is hit, with bounds of its t. `order` is that of the triangles.
+ */
 static void check_offer_before(const struct test_case *test, const struct mlrt_triangle *second, int order)
 {
     const struct mlrt_ray_segment *ray = &test->ray;

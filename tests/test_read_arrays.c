@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Rays as tiles read them out of arrays (read_arrays.h) against the same words taken one by one: elements packed, in
- * structs where another array's word follows, or apart; one origin for several rays; skips of several meshes. Every array
- * ends with its memory, and what is behind that must not be touched.
+ * structs where another array's word follows, or apart; one origin for several rays; skips of several meshes. Every
+ * array ends with its memory, and what is behind that must not be touched.
  */
 #include <string.h>
 
@@ -12,7 +12,9 @@
 #include "trace/ray_tile.h"
 #include "scene/masks.h"
 
-/* Where arrays are in a struct, in words; APART: they have one of their own, with a stride of so many more words; NONE. */
+/*
+ * Where arrays are in a struct, in words; APART: they have one of their own, with a stride of so many more words; NONE.
+ */
 enum { NONE = -1, APART = -2 };
 enum field { ORIGIN, DIRECTION, T_MIN, T_MAX, SKIP, FIELD_COUNT };
 static const size_t field_words[FIELD_COUNT] = {3, 3, 1, 1, 2};
@@ -58,7 +60,10 @@ struct array {
     size_t stride;
 };
 
-/* Rays i have the elements i / group of origins, t_min and skips. With a group the struct has only these, or only others. */
+/*
+ * Rays i have the elements i / group of origins, t_min and skips. With a group the struct has only these, or only
+ * others.
+ */
 static int is_of_group(int field)
 {
     return field == ORIGIN || field == T_MIN || field == SKIP;

@@ -1006,7 +1006,9 @@ static uint32_t structure_of(enum forged_thing thing)
     return thing <= ENTRY_NONE ? MLRT_STRUCTURE_KDTREE : 0;
 }
 
-/* The first triangle of a quad that has its place in another leaf; there must be one. Its corner begins at 9 times it. */
+/*
+ * The first triangle of a quad that has its place in another leaf; there must be one. Its corner begins at 9 times it.
+ */
 static uint32_t find_shared_place(const mlrt_tree *tree)
 {
     for (uint32_t i = 0; i < 4 * tree->bvh.leaf_quad_count; i += 4) {

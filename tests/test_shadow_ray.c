@@ -99,8 +99,8 @@ static struct numbers work_out(const struct question *question)
 }
 
 /*
- * hits/shadow_ray.h: the step of 2^-22 size, rounding to float, the error of t, which moves the point along the ray. The bounds
- * of "ordinary" are a little more than there, so that roundings here do not matter.
+ * hits/shadow_ray.h: the step of 2^-22 size, rounding to float, the error of t, which moves the point along the ray.
+ * The bounds of "ordinary" are a little more than there, so that roundings here do not matter.
  */
 static void check_place(const struct question *question, const mlrt_ray *shadow)
 {

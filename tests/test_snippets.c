@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The C in README.md, docs/embedding.md and docs/moving.md compiles, each block after those before it, without a warning.
+ * The C in README.md, docs/embedding.md and docs/moving.md compiles, each block after those before it, without a
+ * warning.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>

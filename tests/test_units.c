@@ -199,13 +199,16 @@ static void assert_no_more(const char *name, const char *what, uint64_t expected
         fail_msg("%s: %s %llu, without %llu", name, what, (unsigned long long)got, (unsigned long long)expected);
 }
 
-/* Odd triangles farther away than bundles keep distances (GREATEST_DISTANCE, trace/ray_hulls.h): the judge has all hits. */
+/*
+ * Odd triangles farther away than bundles keep distances (GREATEST_DISTANCE, trace/ray_hulls.h): the judge has all
+ * hits.
+ */
 #define AT_THE_END 6
 
 /*
- * Rays go together as without the odd triangle, boxes are no worse, and few rays are left to the judge. The hierarchy is
- * another one: of a camera's rays, more or fewer go on alone where few meet a box. Each is a packet then, and has nodes of
- * its own.
+ * Rays go together as without the odd triangle, boxes are no worse, and few rays are left to the judge. The hierarchy
+ * is another one: of a camera's rays, more or fewer go on alone where few meet a box. Each is a packet then, and has
+ * nodes of its own.
  */
 static void test_odd_triangles_stay_local(void **state)
 {

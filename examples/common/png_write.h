@@ -11,7 +11,9 @@
  */
 int write_png(const char *path, uint32_t width, uint32_t height, const uint8_t *rgb);
 
-/* Returns 0 if the name ends in .png or is that of a device such as /dev/stdout, or else 1 after a message on stderr. */
+/*
+ * Returns 0 if the name ends in .png or is that of a device such as /dev/stdout, or else 1 after a message on stderr.
+ */
 int check_png_name(const char *path);
 
 #endif

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* guess.h - another build of the library as a method: the one that guesses (make GUESS=1), to see what exactness costs */
+/*
+ * guess.h - another build of the library as a method: the one that guesses (make GUESS=1), to see what exactness costs
+ */
 #ifndef GUESS_H
 #define GUESS_H
 

@@ -3,9 +3,9 @@
  * measure.h - speed and wrong decisions of several methods on the same rays
  *
  * Each method answers all rays once; these answers are compared with the oracle's. Then the methods take turns, so that
- * a machine that slows down does so for all; the speed is that of the median run, in processor time of the thread. A run reads the caller's arrays of
- * origins and directions and writes an array of triangle numbers, on one thread. The time to prepare tables and
- * hierarchies does not count.
+ * a machine that slows down does so for all; the speed is that of the median run, in processor time of the thread. A
+ * run reads the caller's arrays of origins and directions and writes an array of triangle numbers, on one thread. The
+ * time to prepare tables and hierarchies does not count.
  */
 #ifndef MEASURE_H
 #define MEASURE_H

@@ -4,7 +4,8 @@
  *
  * Methods of others are of two kinds. Triangle tests from the literature share one traversal of the library's kd-tree
  * (traversal.h), so that such methods differ in the test alone; traversal and tests are plain C, one ray at a time. A
- * library (Embree, tinybvh) has a structure of its own. The methods of this library are called through its public interface.
+ * library (Embree, tinybvh) has a structure of its own. The methods of this library are called through its public
+ * interface.
  */
 #ifndef METHOD_H
 #define METHOD_H

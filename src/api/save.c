@@ -4,9 +4,9 @@
  *
  * THE FORMAT, version 4
  *
- * A file is a header and eleven sections, each at a multiple of 64 bytes from the start of the file, in the order below.
- * Bytes between sections are zero, and so is the end of the file, up to a multiple of 64. Numbers are in the byte
- * order of the machine that wrote them; floats are those of IEEE 754. The bytes depend on the tree alone, not on
+ * A file is a header and eleven sections, each at a multiple of 64 bytes from the start of the file, in the order
+ * below. Bytes between sections are zero, and so is the end of the file, up to a multiple of 64. Numbers are in the
+ * byte order of the machine that wrote them; floats are those of IEEE 754. The bytes depend on the tree alone, not on
  * pointers, the compiler or the time: the same tree is always the same file.
  *
  *     header    struct header: 8 bytes that identify the format, byte order, version, the size of the

@@ -52,7 +52,7 @@ enum {
 
 extern const struct mlrt_form mlrt_forms[MLRT_FORM_COUNT];
 
-/* All rules. One struct of arrays: so forms need no addresses, which a shared library would have to be relocated for. */
+/* All rules. In one struct, so that forms need no addresses, which would have to be relocated in a shared library. */
 extern const struct mlrt_rules {
     struct mlrt_field host[1], pool_options[1], tree_options[3], kdtree_options[5], load_options[1], trace_options[9],
         counters[1], ray[1], rays[8], points[3], light[2], hits[8], hit_lists[9], camera[1], view[9], vectors[1],

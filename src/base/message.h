@@ -30,8 +30,8 @@ char *mlrt_message_of_thread(void);
 MLRT_FORMAT(2, 3) int32_t mlrt_fail(int32_t status, const char *format, ...);
 
 /*
- * Writes that an argument must not be NULL. `names` has those that must not, with a blank between two; bit i of `missing`
- * says that the i-th is NULL. If none is, the last must be. Returns MLRT_ERROR_ARGUMENT.
+ * Writes that an argument must not be NULL. `names` has those that must not, with a blank between two; bit i of
+ * `missing` says that the i-th is NULL. If none is, the last must be. Returns MLRT_ERROR_ARGUMENT.
  */
 int32_t mlrt_fail_null(const char *names, int missing);
 

@@ -14,10 +14,11 @@
 #define MLRT_STRIDE_LIMIT ((size_t)1 << 31)
 
 /*
- * Copies a caller's struct to *own, and checks it. Fields that it does not have become 0; without a struct (NULL) all do.
- * `form` is MLRT_STRUCT_* or MLRT_FORM_*; `path` and `index` name the struct as in mlrt_fail_at. Returns MLRT_OK; the status of the form, if a rule is
- * broken; or MLRT_ERROR_STRUCT_SIZE if its size is less than in the first version, greater than that of any later
- * version, or not a multiple of 4, or if a byte behind the fields that this version knows is not 0.
+ * Copies a caller's struct to *own, and checks it. Fields that it does not have become 0; without a struct (NULL) all
+ * do. `form` is MLRT_STRUCT_* or MLRT_FORM_*; `path` and `index` name the struct as in mlrt_fail_at. Returns MLRT_OK;
+ * the status of the form, if a rule is broken; or MLRT_ERROR_STRUCT_SIZE if its size is less than in the first version,
+ * greater than that of any later version, or not a multiple of 4, or if a byte behind the fields that this version
+ * knows is not 0.
  */
 int32_t mlrt_take_struct(int form, const char *path, size_t index, const void *given, void *own);
 

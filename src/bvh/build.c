@@ -933,8 +933,8 @@ int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options,
 /* ---- expected memory ----------------------------------------------------------------------------------------- */
 
 /*
- * Bytes of nodes, quads and places per triangle, with a margin. Scenes take: DEFAULT 51 to 60, FAST 51 to 55, BEST 53 to
- * 69.
+ * Bytes of nodes, quads and places per triangle, with a margin. Scenes take: DEFAULT 51 to 60, FAST 51 to 55, BEST 53
+ * to 69.
  */
 static const double RESULT_SIZES[] = {62, 57, 70};
 

@@ -87,8 +87,8 @@ static uint32_t quads_of(uint32_t count)
 /* ---- leaves -------------------------------------------------------------------------------------------------- */
 
 /*
- * Sets the numbers of a leaf from the words of its references. Ascending, so that of triangles hit at one t the one that
- * the hit rule prefers is tested first. Returns the places of those that are no copies.
+ * Sets the numbers of a leaf from the words of its references. Ascending, so that of triangles hit at one t the one
+ * that the hit rule prefers is tested first. Returns the places of those that are no copies.
  */
 static uint32_t sort_numbers(const uint32_t *words, uint32_t count, uint32_t *numbers)
 {

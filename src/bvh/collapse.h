@@ -62,7 +62,7 @@ struct mlrt_binary_tree {
     uint32_t *triangles; /* the word of each reference: mlrt_reference_word */
 };
 
-/* The size of a part of the hierarchy. No count reaches 2^32: leaves are fewer than references (MLRT_REFERENCE_MARK). */
+/* The size of a part of the hierarchy. Counts stay below 2^32, since there are fewer leaves than MLRT_REFERENCE_MARK. */
 struct mlrt_bvh_size {
     uint32_t node_count;
     uint32_t quad_count;

@@ -27,7 +27,8 @@ static int move_point(const double base[3], const double direction[3], double st
 }
 
 /*
- * Doubles the step along `direction` until the point is on the wanted side. Base and point are relative to `from`. Returns 0 if the point would leave the range of float.
+ * Doubles the step along `direction` until the point is on the wanted side. Base and point are relative to `from`.
+ * Returns 0 if the point would leave the range of float.
  */
 static int search_along(const struct mlrt_triangle *triangle, const double base[3], const double direction[3], int side,
                         const float *from, float point[3])

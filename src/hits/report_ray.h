@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * t, u, v and facing of the hit of one ray (rule R5), with the bounds of hit_numbers.h. The lanes of a vector are the
- * coordinates of one point, and then the four determinants, in the order N, e_ca, e_ab, D. Each is the sum of three
- * products, without fused multiply-add: that is one product and two sums, as counted there. With the sizes of p, c-a,
- * a-b and d in the lanes of s, the size of each determinant is the product of three of them: all but d for N, all but
- * a-b for e_ca, all but c-a for e_ab, and all but p for D.
+ * t, u, v and facing of the hit of one ray (rule R5), with the widths of hit_numbers.h.
+ *
+ * A vector holds four doubles: first the coordinates of a point, later the determinants N, e_ca, e_ab, D. Each
+ * determinant is a sum of three products, without fused multiply-add, and so has the roundings that are counted there.
+ * `s` holds the sizes of p, c-a, a-b and d. The size of a determinant is the product of three of these: N is without d,
+ * e_ca without a-b, e_ab without c-a, and D without p.
  */
 #ifndef MLRT_HITS_REPORT_RAY_H
 #define MLRT_HITS_REPORT_RAY_H

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The kernels of an instruction set, in the words of the simd header that was included before. If its file defines
- * MLRT_COUNTING as 1 before, they count (counters.h). BOX_KERNELS and KDTREE_KERNELS name the table of a structure; only
- * what is named is compiled. Both structures are in one unit, since they share the functions of hits/ and rays/.
- * Everything is static but the tables.
+ * The kernels of an instruction set, in the words of the simd header that the unit includes before this one. If the
+ * unit defines MLRT_COUNTING as 1 first, the kernels count (counters.h). BOX_KERNELS and KDTREE_KERNELS are the names
+ * of the tables of the two structures; a structure whose name is not defined is not compiled. Both structures are in
+ * one unit, since they share the functions of hits/ and rays/. Everything is static but the tables.
  */
 #ifndef MLRT_ISA_KERNELS_H
 #define MLRT_ISA_KERNELS_H

@@ -128,9 +128,9 @@ struct mlrt_kernels {
     /* Traces the rays of a rectangle that starts at multiples of 4, and writes their results to frame and tile. */
     void (*trace_area)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area);
     /*
-     * Traces one ray in float, without counting, and sets the fields of the hit that its query writes. If the unit of
-     * the boxes is 1, the ray meets the box of the scene. Else it is brought into units; if float does not carry it
-     * there, this returns 0 and sets nothing. The kernels of the kd-tree have NULL. trace/one_ray.h
+     * Traces one ray in float, without counting, and sets the fields of the hit that its query writes. Where the unit
+     * of the boxes is 1, the ray must meet the box of the scene. Elsewhere it is brought into units; if float does not
+     * carry it there, this returns 0 and sets nothing. The kernels of the kd-tree have NULL. trace/one_ray.h
      */
     int (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit);
 };

@@ -89,12 +89,9 @@ struct mlrt_structure {
         uint8_t filters_leaves;   /* kernels hide the triangles of leaves from rays with a common mask */
         /* Default sides of the tiles that threads claim: of cameras, rows of pixels in arrays, and lists. */
         uint16_t camera_side, row_side, list_side;
-        /*
-         * By MLRT_ISA_*. Where there are none, those of the next narrower set serve. Those of the narrowest set count,
-         * whether or not they are asked to; the others do not.
-         */
+        /* For calls without counters, by MLRT_ISA_*. Where there are none, those of the next narrower set serve. */
         const struct mlrt_kernels *kernels[MLRT_ISA_AVX512 + 1];
-        const struct mlrt_kernels *counting; /* of the narrowest set, perhaps the same */
+        const struct mlrt_kernels *counting; /* for calls with counters: of the narrowest set, perhaps the same ones */
         /*
          * Lays out and clears what a worker keeps for the kernels, from `memory` on, in whole cache lines. Returns its
          * bytes. With NULL, only returns them.

@@ -13,8 +13,8 @@
  * the highest one; from the highest down, the first success ends the search. docs/reproduction.md has the steps of
  * both.
  *
- * The search is compiled once: it works on a beam, not on vectors of rays. It always counts, since one search is for all
- * rays of a tile.
+ * The search is compiled once: it works on a beam, not on vectors of rays. It always counts, since one search is for
+ * all rays of a tile.
  *
  * Based on: Reshetov et al. 2005, section 4.1.
  */

@@ -36,8 +36,8 @@ struct distance_interval {
 /*
  * The distances within which the rays of a group cross the plane x = c of this axis.
  *
- * With a common origin the bounds are not sorted: if the plane is behind the origin, both are negative, and since no ray
- * is in a cell at a negative distance, every comparison with either of them has the same answer.
+ * With a common origin the bounds are not sorted: if the plane is behind the origin, both are negative, and since no
+ * ray is in a cell at a negative distance, every comparison with either of them has the same answer.
  */
 MLRT_INLINE struct distance_interval plane_distances(const struct group_axis *axis, float c, int has_apex)
 {
@@ -184,8 +184,8 @@ static void traverse_subtree(const struct mlrt_job *job, uint32_t node, struct d
 }
 
 /*
- * Traces a group from the nodes of a list. If this is one leaf, the group need not know where it enters and leaves, since
- * all rays of the tile's beam go there.
+ * Traces a group from the nodes of a list. If this is one leaf, the group need not know where it enters and leaves,
+ * since all rays of the tile's beam go there.
  */
 static void traverse_list(const struct mlrt_job *job, const struct entry_list *list, struct ray_group *group,
                           struct mlrt_packet *packet, struct mlrt_worker *worker)

@@ -36,9 +36,9 @@ enum mlrt_lone_ray_kind {
  * Along each axis the ray is between the planes of the box from t = near to far, each with three roundings, and 2^-149
  * where it underflows. If the ray meets the box, the true near is at most the true far, so as computed
  * near <= far (1 + 6.01 u) + 2^-147. RECIPROCAL_SLACK is 8 u, and 2^-126 is the least float that is not denormal. Where
- * d_k is 0, a ray between the planes has the distances -inf and inf, another one has two equal ones; a ray in a plane has
- * a NaN, which f4_min and f4_max pass on in the order of operands below, and which t_min and t_max then replace. Planes
- * are at most 2^62 or infinite, so a box begins at t < 2^123 or never: rays end at 2^126 at the latest.
+ * d_k is 0, a ray between the planes has the distances -inf and inf, another one has two equal ones; a ray in a plane
+ * has a NaN, which f4_min and f4_max pass on in the order of operands below, and which t_min and t_max then replace.
+ * Planes are at most 2^62 or infinite, so a box begins at t < 2^123 or never: rays end at 2^126 at the latest.
  */
 MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const struct mlrt_box *box, const float given_origin[3],
                                                        const float given_direction[3], float given_t_min, float t_max,

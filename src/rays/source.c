@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Sources of rays: reads their rays one by one, or those of a block into a packet, element by element: arrays are
- * aligned to 4 bytes only and have any stride, and no byte outside their elements may be read. read_arrays.h reads whole
- * blocks of most arrays with vectors. check_packet.h checks the rays that were read.
+ * aligned to 4 bytes only and have any stride, and no byte outside their elements may be read. read_arrays.h reads
+ * whole blocks of most arrays with vectors. check_packet.h checks the rays that were read.
  */
 #include "rays/source.h"
 

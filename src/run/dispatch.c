@@ -3,9 +3,9 @@
  * Which processor gets which kernels. Instruction sets are looked up once per process: CPUID takes long in a virtual
  * machine.
  *
- * With counters, kernels of the narrowest instruction set run: SSE2, or plain C where there is none. Those of boxes, and
- * all in plain C, count in all calls, which takes 1 or 2 % of their time. Counting kernels for every instruction set
- * would nearly double the size of the library.
+ * Calls with counters get kernels of the narrowest instruction set: SSE2, or plain C where there is no SSE2. Its
+ * kernels count in calls without counters, too, which takes 1 or 2 % of their time; only the kd-tree has others in SSE2
+ * that do not. Kernels that count for every instruction set would nearly double the size of the library.
  */
 #include "run/dispatch.h"
 
@@ -64,8 +64,8 @@ const struct mlrt_kernels *mlrt_select_kernels(const struct mlrt_structure *stru
     const int32_t widest = widest_isa();
     if (isa == MLRT_ISA_AUTO) isa = widest;
     if (isa > widest || isa < MLRT_ISA_NARROWEST) return NULL;
-    /* Squares of 2x2 rays have four lanes, so packets of them gain nothing from eight. */
     if (counting) return structure->tracer.counting;
+    /* Squares of 2x2 rays have four lanes, so packets of them gain nothing from eight. */
     if (method == MLRT_METHOD_PACKET2) isa = MLRT_ISA_NARROWEST;
     while (!structure->tracer.kernels[isa]) --isa;
     return structure->tracer.kernels[isa];

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The tiles of a square of rays from the caller's arrays, as a bundle without rays, where all rays start at one point (a
- * point light, one origin) or have one direction (a sun). Of the rays of a tile only the hull is kept. A tile that stays
- * closed needs no packets; the rays of the others are read again. A tile none of whose rays is finite, as where a
- * picture shows nothing, is closed from the start, and is not traced.
+ * The tiles of a square of rays from the caller's arrays, as a bundle without rays. All rays must start at one point (a
+ * point light, an array of one origin) or have one direction (a sun, an array of one direction). The rays of a tile are
+ * read, but only its hull is kept. A tile that stays closed needs no packets; the rays of other tiles are read again. A
+ * tile without finite rays, as where a picture shows nothing, is closed from the start, and is not traced.
  *
- * Parallel rays are those from a point at infinity: a ray is known by two numbers, which are the slopes of its vector if
- * all rays start at the waist, and the places of its origin if they are parallel, and by one depth: where it ends, or
- * where it begins. Slopes and places are computed as in ray_hulls.h, so L2, L3 and L10 bound them. As in camera_cells.h,
- * SLOPE_FLOOR is added to the slopes of rays from a point, which may be denormal. The waist of parallel rays is in the
- * middle of the scene.
+ * Of each ray two numbers across and one depth are computed. The waist of rays from a point is that point: the numbers
+ * are slopes, and the depth is where the ray to a light ends. The waist of parallel rays is in the middle of the scene:
+ * the numbers are places of the origin, and the depth is where the ray begins.
+ *
+ * Slopes and places are computed as in ray_hulls.h, so L2, L3 and L10 bound them. As in camera_cells.h, SLOPE_FLOOR is
+ * added to the slopes of rays from a point, which may be denormal.
  */
 #ifndef MLRT_TRACE_ARRAY_CELLS_H
 #define MLRT_TRACE_ARRAY_CELLS_H
@@ -29,18 +30,18 @@ struct array_cells {
     float unit;     /* of the bundle */
 };
 
-/* Lane by lane, of all rays of a tile. */
+/* Extremes of the rays of a tile, for each lane of a vector apart. */
 struct array_extremes {
     struct extremes across[2]; /* slopes; or places */
     struct extremes depth;     /* |d_main|, not in units; or depths of origins */
-    vf sum;                    /* of all |slopes| or |places|: a NaN if one of them is */
+    vf sum;                    /* of all |slopes| or |places|: NaN or infinite if one of them is */
 };
 
 /* What is known of a block, or of a tile. */
 enum array_kind {
     HAS_HULL, /* of all rays */
     IS_VOID,  /* no ray is finite: they hit nothing (rule R1) */
-    IS_MIXED
+    IS_MIXED  /* neither: there is no hull */
 };
 
 /* Do the rays at the corners of a tile skip one triangle? If not, which is common, its blocks need not be read. */
@@ -64,7 +65,7 @@ MLRT_INLINE int skips_triangle(const struct mlrt_array_layout *skip, size_t elem
     return !others;
 }
 
-/* Extends `of` by the rays of a block. It is mixed if one of them has an infinite slope or place, or a NaN. */
+/* Extends `of` by the rays of a block. A hull needs slopes and places of all rays that are finite, and no NaN. */
 static MLRT_NOINLINE enum array_kind add_block(const struct array_cells *cells, size_t element,
                                                const struct mlrt_waist *waist, struct array_extremes *of)
 {
@@ -107,7 +108,7 @@ static MLRT_NOINLINE enum array_kind add_block(const struct array_cells *cells, 
     return finite ? IS_MIXED : IS_VOID;
 }
 
-/* Sets the hull of a tile. It is mixed if float does not carry its rays. */
+/* Sets the hull of a tile. Returns IS_MIXED if float does not carry its rays. */
 static enum array_kind set_array_cell(const struct array_cells *cells, const struct array_extremes *of, uint32_t place,
                                       struct mlrt_bundle *bundle)
 {
@@ -130,7 +131,7 @@ static enum array_kind set_array_cell(const struct array_cells *cells, const str
     return fits ? HAS_HULL : IS_MIXED;
 }
 
-/* Makes a cell of a tile of rays, if it is a whole one. */
+/* Makes a cell of a tile of 16x16 rays that all skip the same triangle, or none. Others are mixed. */
 static enum array_kind add_array_cell(const struct array_cells *cells, const struct mlrt_rectangle *tile,
                                       struct known_mesh *known, uint32_t place, struct mlrt_bundle *bundle)
 {
@@ -194,7 +195,7 @@ static int begin_apex_cells(const struct mlrt_source *source, size_t first, floa
     return mlrt_set_apex(point, unit, waist);
 }
 
-/* Makes a bundle of the tiles of rays in `area`. Returns 0 if there is none. */
+/* Makes a bundle of the tiles of any-hit rays in `area`. Returns 0 if there is none. */
 static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, struct mlrt_bundle *bundle)
 {
     struct array_cells cells = {.from = NULL};

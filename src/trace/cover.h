@@ -21,8 +21,8 @@
  * has one rounding, and is moved outward by SLOPE_SLACK of itself.
  *
  * CLOSE COVERS (L14, L15). Where a triangle and the cover of a packet are so close that depths do not tell which comes
- * first, the line of their planes does (plane_order.c). It is an edge function, and is bounded over the hull as those of
- * leaf.h are, with its own error in place of EDGE_ERROR. So walls that are drawn twice leave packets closed.
+ * first, the line of their planes does (plane_order.c). It is an edge function, and is bounded over the hull as those
+ * of leaf.h are, with its own error in place of EDGE_ERROR. So walls that are drawn twice leave packets closed.
  *
  * BEGINS AND ENDS (L15). Rays begin on surfaces, and end on them. Whether they reach a triangle there is decided in
  * double, lane by lane, as in leaf.h.

@@ -3,12 +3,12 @@
  * Traces a packet lane by lane: each lane is tested against each box. This is for packets whose rays have too little in
  * common for a hull.
  *
- * A node costs the lesser of its boxes, each against all lanes at once, and of its lanes, each against all boxes at
- * once. A leaf costs the lesser of its triangles, each against all lanes at once, and of its lanes, each against all
- * triangles at once; if all rays start at one point, its triangles are set up once, and each is tested against all
- * lanes. From a box on that only few lanes meet, these are traced one by one (single_ray.h).
+ * At a node, either each box is tested against all lanes at once, or each lane against all boxes at once: whichever
+ * takes fewer steps. At a leaf it is the same with triangles in place of boxes. But if all rays start at one point, the
+ * triangles of a leaf are set up for that point, and each is tested against all lanes. From a box on that only few
+ * lanes meet, these are traced one by one (single_ray.h).
  *
- * All arithmetic of boxes and its bounds are those of single_ray.h, with rays in the lanes of a vector in place of boxes.
+ * BOXES. The arithmetic and its bounds are those of single_ray.h.
  *
  * HULLS. Before the lanes of a node are tested, its boxes are compared with a hull of all lanes. Along an axis where
  * the signs of all directions agree, the hull is the intervals of origins and of reciprocals: the product of a
@@ -18,24 +18,26 @@
  * outward by 4 u (|o| + |e|) + 2^-126. This also covers the rounding of the moved end, u of itself. If e is infinite,
  * the sum or the difference is a NaN, which v_min and v_max drop: then o is the end, which is right.
  *
- * SIDES. The sides of a triangle and their products belong to all rays of a leaf. Let p = fl(a - o), g = fl(c - a),
- * h = fl(a - b), n = g x h, r = p x d. Then, as in predicate.c,
+ * SIDES. The sides of a triangle and their products are the same for all rays, and are computed once for each leaf. Let
+ * p = fl(a - o), g = fl(c - a), h = fl(a - b), n = g x h, and r = p x d. Then, as in predicate.c,
  *
  *     e_ca = g . r     e_ab = h . r     D = d . n     N = p . n     e_bc = D - e_ca - e_ab
  *
- * These are the determinants of single_ray.h, with as many roundings: p, g and h have 1 per component, n 4, r 3 (p,
- * product, difference), and so e_ca, e_ab and D 7, and N 8. The sums of products are the same ones, so all bounds there
- * hold, with the greatest |d_k| of all lanes for m. Underflow is as there: n and r lose 2^-149 per component. So is
- * overflow: n and r are at most 2^124; and the bound of edge functions, 11 u (S (4 m (G + H)) + 4 m G H) / 4, overflows
- * where 4 m (S G + S H + G H) does.
+ * These are the determinants of single_ray.h, where -p is s and -h is f. They have as many roundings: p, g and h have 1
+ * per component, r has 3 (p, product, difference), n has 4; so e_ca, e_ab and D have 7, and N has 8. They are sums of
+ * the same products, so all bounds of single_ray.h hold, with the greatest |d_k| of all lanes for m. S, G and H are the
+ * sums of the magnitudes of the components of p, g and h.
  *
- * ONE ORIGIN. If all rays start at o, s = o - a belongs to the triangle, and so do s x g, f x s and f x g:
+ * Underflow is as there: n and r lose 2^-149 per component. Overflow, too: n and r are at most 2^124, and the bound of
+ * edge functions, 11 u (S (4 m (G + H)) + 4 m G H) / 4, overflows where 4 m (S G + S H + G H) does.
+ *
+ * ONE ORIGIN. If all rays start at o, then s = o - a is the same for all, and so are s x g, f x s and f x g:
  *
  *     e_ca = d . (s x g)     e_ab = d . (f x s)     D = d . (f x g)     N = g . (f x s)
  *
- * These are the determinants of single_ray.h, with as many roundings: s, f and g have 1 per component, a cross product 3
- * more, so 4, and the product with d and its sums 3: 7. N has 8. So all bounds there hold, with the greatest |d_k| of
- * all lanes for m. Underflow and overflow are as there, since the cross products are finite.
+ * These are the determinants of single_ray.h. They have as many roundings: s, f and g have 1 per component, a cross
+ * product 3 more, and the product with d and its sums 3: that makes 7, and 8 for N. So all bounds of single_ray.h hold,
+ * with the greatest |d_k| of all lanes for m. Underflow and overflow are as there, since the cross products are finite.
  *
  * Based on: I. Wald, C. Benthin, P. Slusallek, "Interactive Rendering with Coherent Ray Tracing", 2001 (packets against
  * one box); C. Benthin et al., "Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel

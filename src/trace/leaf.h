@@ -16,9 +16,9 @@
  * M_z + (M_j + M_l) / 2. The size of an edge function is at least |g| 2^-20, where |g| is the sum of the magnitudes of
  * the components of g. All sizes are at least 2^-100.
  *
- * EDGES, u = 2^-24, in units of size. R, A, X of a packet and E, the error of a place, are defined in ray_hulls.h; rho is
- * the greatest |g| / size of the three edges. The magnitudes of all terms with C sum to at most R times the size: this
- * is why edges are divided by it, and one R serves for all of them. By L5 e is off by no more than
+ * EDGES, u = 2^-24, in units of size. R, A, X of a packet and E, the error of a place, are defined in ray_hulls.h; rho
+ * is the greatest |g| / size of the three edges. The magnitudes of all terms with C sum to at most R times the size:
+ * this is why edges are divided by it, and one R serves for all of them. By L5 e is off by no more than
  *
  *     13.001 u R + (8.1 u X + 1.01 E) R rho + 2^-48 R.
  *
@@ -681,9 +681,9 @@ MLRT_INLINE void keep_plane(const struct plane_of_rays *plane, uint32_t number, 
 }
 
 /*
- * Finds the rays that surely meet a plane behind the nearest hits, and those that surely meet it before them, if D has a
- * certain sign. Quotients of bounds are compared as products (L8): rounding is monotone, so if one rounded product is
- * less than the other, so is the exact one.
+ * Sets *farther to the rays that surely meet a plane behind their nearest hits, and *nearer to those that surely meet
+ * it before. Both hold only where D has a certain sign. Quotients of bounds are compared as products (L8): rounding is
+ * monotone, so if one rounded product is less than the other, so is the exact one.
  */
 MLRT_INLINE void compare_planes(const struct plane_of_rays *plane, const struct nearest_hits *nearest, vm *farther,
                                 vm *nearer)
@@ -868,15 +868,15 @@ MLRT_INLINE void measure_end(const struct mlrt_plane *plane, const struct mlrt_p
     height->size = d_mul_add(end, d_size, n->size);
 }
 
-/* The side of a plane on which the rays of a packet are, at one t each. */
+/* On which side of a plane the rays of a packet are, each at a t of its own. */
 struct sides_of_plane {
-    uint32_t before; /* surely before they meet it: N / D > t */
-    uint32_t behind; /* surely after that: N / D < t */
+    uint32_t before; /* rays that surely do not reach it by then: N / D > t */
+    uint32_t behind; /* rays that are surely past it: N / D < t */
 };
 
 /*
- * Finds by the sign of N - t D in double where the rays of a packet are. `sign` is that of D. t NULL: t is 0. If the
- * packet has an apex, `n` is N from there.
+ * Finds the sides of a plane by the sign of N - t D in double. `sign` is that of D. With t NULL, t is 0. If the packet
+ * has an apex, *n must be N of the apex.
  */
 MLRT_INLINE struct sides_of_plane find_sides_of_plane(const struct mlrt_plane *plane, const struct mlrt_packet *packet,
                                                       const float *t, double sign, struct measured_lanes *n)
@@ -895,9 +895,9 @@ MLRT_INLINE struct sides_of_plane find_sides_of_plane(const struct mlrt_plane *p
 }
 
 /*
- * Where any hit will do: decides lanes that may meet a triangle where they begin, or else where they end. Only lanes
- * are decided in which D has the same sign as in the first of them, at the same end. Returns the lanes that remain
- * undecided.
+ * Where any hit will do: decides lanes whose rays may begin, or end, at the plane of a triangle, by the sign of N - t D
+ * there ("BEGINS AND ENDS"). A call decides only one of both ends and one sign of D, those of the first lane. Returns
+ * the lanes that remain undecided.
  */
 static MLRT_NOINLINE uint32_t settle_ends(const struct mlrt_job *job, const struct mlrt_bundle *bundle, uint32_t place,
                                           uint32_t number, uint32_t lanes, vm inside, const struct plane_of_rays *of,
@@ -927,7 +927,7 @@ static MLRT_NOINLINE uint32_t settle_ends(const struct mlrt_job *job, const stru
     return lanes & ~(missed | hit);
 }
 
-/* A triangle of a leaf that a vector of rays leaves undecided. */
+/* A triangle of a leaf, and the lanes of a vector that its test left undecided. */
 struct close_triangle_of_leaf {
     struct plane_of_rays plane;
     vm inside;
@@ -936,9 +936,9 @@ struct close_triangle_of_leaf {
 };
 
 /*
- * Decides the triangles that a vector of rays left undecided when it was tested against a leaf. The other triangles of
- * the leaf have been tested: where any hit will do and one of them is hit, nothing is left to decide. Returns the lanes
- * whose nearest hit is not the one that the packet had before.
+ * Decides what the tests of a vector of rays against the triangles of a leaf left undecided. All triangles have been
+ * tested before, so where any hit will do, lanes that hit one of them need no decision. Returns the lanes whose nearest
+ * hit is not the one that the packet had before.
  */
 static MLRT_NOINLINE uint32_t settle_leaf(const struct mlrt_job *job, struct mlrt_worker *worker,
                                           struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,

@@ -4,8 +4,8 @@
  * of sixteen packets of 4x4. Tiles and packets that one triangle covers, or that meet none, are finished at once; the
  * others are cut further.
  *
- * Squares exist for cameras, and for arrays with one origin or one direction. Other sources begin with
- * tiles.
+ * Squares are bundles for pinhole cameras, and for any-hit rays of arrays with one origin or one direction. Other
+ * sources begin with tiles.
  */
 #ifndef MLRT_TRACE_LEVELS_H
 #define MLRT_TRACE_LEVELS_H

@@ -11,8 +11,8 @@
 #include "trace/single_ray.h"
 
 /*
- * Sets t, u, v and facing of a hit. Returns 0 and sets nothing if the judge has to compute them: without vectors of four
- * doubles it is as fast.
+ * Sets t, u, v and facing of a hit. Returns 0 and sets nothing if the judge has to compute them, which is always so
+ * without vectors of four doubles, where the judge is as fast.
  */
 MLRT_INLINE int report_lone_ray(const struct mlrt_corners *corners, const struct mlrt_lone_ray *ray,
                                 struct mlrt_hit_report *report)
@@ -25,7 +25,7 @@ MLRT_INLINE int report_lone_ray(const struct mlrt_corners *corners, const struct
 #endif
 }
 
-/* Traces a ray through boxes whose unit is not 1. Returns 0, and sets nothing, if float does not carry it into units. */
+/* Traces a ray through boxes whose unit is not 1. Returns 0 and sets nothing if float does not carry it into units. */
 static MLRT_NOINLINE int trace_one_in_units(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
                                             mlrt_hit *hit)
 {

@@ -2,8 +2,8 @@
 /*
  * Traces the packets of a tile, wherever their rays start, through the hierarchy of boxes, in one of three ways.
  * Packets that are alike are traced together as a bundle, by their hulls (ray_hulls.h). Packets that are too wide for
- * that are traced lane by lane (lane_by_lane.h). From a box on that only few lanes meet, these lanes are traced one by one
- * (single_ray.h).
+ * that are traced lane by lane (lane_by_lane.h). From a box on that only few lanes meet, these lanes are traced one by
+ * one (single_ray.h).
  *
  * A bundle visits the nearest boxes first. The sixteen boxes of a node are compared with the hull of the whole bundle
  * at once. Before a box is opened it is compared with the hulls of all sixteen packets at once, since many of them

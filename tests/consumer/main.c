@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A program outside the tree, in C: the rays of bindings/c/scene.h, traced by two threads. Fails unless the answers have
- * the hash that every binding gets, and header and library are of one version.
+ * A program outside the tree, in C: the rays of bindings/c/scene.h, traced by two threads. Fails unless the answers
+ * have the hash that every binding gets, and header and library are of one version.
  */
 #include <inttypes.h>
 #include <mlrt.h>

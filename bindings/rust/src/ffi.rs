@@ -186,7 +186,7 @@ pub const MLRT_METHOD_TILE: i32 = 5;
 /// the best that this machine has
 pub const MLRT_ISA_AUTO: i32 = 0;
 
-/// plain C: only in builds for processors without SSE2, which have no other
+/// plain C: only in builds without SSE2, which have no other
 pub const MLRT_ISA_SCALAR: i32 = 1;
 
 /// SSE2, on every x86-64: 4 boxes, packets, triangles or rays at a time
@@ -727,8 +727,8 @@ impl Default for mlrt_array {
 
 /// ```text
 /// The arrays that receive results. MLRT_QUERY_CLOSEST writes the first six, and with lights also the last;
-/// MLRT_QUERY_ANY writes only the last. An array that the query does not write must be NULL, and one must be given, unless
-/// there are no rays, or the call has a callback or counters.
+/// MLRT_QUERY_ANY writes only the last. An array that the query does not write must be NULL, and one must be given,
+/// unless there are no rays, or the call has a callback or counters.
 ///
 /// `mesh`, `triangle` and `facing` tell hits from misses. `t` does not: the t of a hit farther away than the greatest
 /// float rounds to inf, which is that of a miss, and a very small one rounds to 0, though 0 < t.
