@@ -2073,8 +2073,8 @@ static void tasks_that_flush_denormals_build_the_same(void **state)
     float *vertices = allocate_or_fail(9 * SIDE * SIDE, sizeof *vertices);
     for (int i = 0; i < SIDE * SIDE; i++) {
         const float x = (float)(i % SIDE), y = (float)(i / SIDE), z = (float)(1 + i % 7) * 1e-40f;
-        const float corners[9] = {x, y, z, x + 1, y, -z, x, y + 1, z};
-        memcpy(vertices + 9 * (size_t)i, corners, sizeof corners);
+        const float triangle[9] = {x, y, z, x + 1, y, -z, x, y + 1, z};
+        memcpy(vertices + 9 * (size_t)i, triangle, sizeof triangle);
     }
     const mlrt_mesh mesh = {.struct_size = sizeof mesh,
                             .vertices = vertices,
