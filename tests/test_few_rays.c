@@ -187,7 +187,7 @@ static struct fixture make_needles(uint64_t seed)
     return fixture_of_soup("needles", seed, &soup);
 }
 
-/* A packet that has been tested too often goes on ray by ray, wherever it is, with what it has hit so far. */
+/* A packet that has been tested too often goes on lane by lane, wherever it is, with what it has hit so far. */
 static void tedious_packets(void **state)
 {
     (void)state;

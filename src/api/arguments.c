@@ -66,10 +66,10 @@ int32_t mlrt_take_lights(mlrt_trace_options *options, const mlrt_light **lights,
 }
 
 /*
- * Calls of few rays spend a good part of their time on checks. So structs as most callers give them, without a broken
- * rule, are told from others here, all arrays at once; what is wrong with other structs the tables say. Arrays lie one
- * behind the other in structs, and mlrt_array begins as mlrt_const_array does. A stride of 0 or `all` is right, and any
- * other multiple of 4 has room for 4 bytes.
+ * Calls of few rays spend a good part of their time on checks. So structs as most callers give them are recognised
+ * here, with all arrays at once; for other structs the tables of rules say what is wrong, if anything. The arrays of a
+ * struct are neighbours, and mlrt_array begins as mlrt_const_array does. A stride of 0 or `all` is right, and any other
+ * multiple of 4 has room for 4 bytes.
  */
 MLRT_INLINE int are_right_arrays(const void *arrays, size_t size, size_t all)
 {

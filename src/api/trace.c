@@ -260,9 +260,7 @@ MLRT_INLINE int is_usual_call(const mlrt_tree *tree, const mlrt_ray *ray, const 
            (!options || (options->struct_size == sizeof *options && !options->isa && mlrt_are_plain(options)));
 }
 
-/*
- * Usual calls, in the environment of the library, are told from others here, and rays that miss the scene end here.
- */
+/* Traces usual calls in the floating-point environment of the library; trace_any_ray traces the others. */
 MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                                 mlrt_hit *hit)
 {

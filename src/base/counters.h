@@ -2,7 +2,7 @@
 /*
  * Counting: in kernels that define MLRT_COUNTING as 1 first, COUNT(counters, field, n) adds n to a field of
  * mlrt_counters. In the others it does nothing (run/dispatch.c). COUNTERS(worker) is the pointer to pass to functions
- * of other files: NULL where nothing is counted. CLEAR_COUNTS(worker) is for workers that only COUNT and these write.
+ * of other files: NULL where nothing is counted. CLEAR_COUNTS(worker) sets all counts of a worker to 0.
  */
 #ifndef MLRT_BASE_COUNTERS_H
 #define MLRT_BASE_COUNTERS_H

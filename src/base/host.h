@@ -19,8 +19,8 @@ struct mlrt_voice {
 };
 
 /*
- * Begins a call whose options were copied: its voice has their message and host. The buffer and the host are known
- * before the fields of the options, which are of this form, are checked, and so can have the message. Returns a status.
+ * Begins a call whose options were copied: sets its voice to their message buffer and host, and then checks the fields
+ * of the options, which are of this form. So a message about these fields reaches buffer and host. Returns a status.
  */
 int32_t mlrt_begin_call(int form, const void *options, char *message, size_t message_size, const mlrt_host *host,
                         struct mlrt_voice *voice);

@@ -169,8 +169,8 @@ MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
     _mm_setcsr((uint32_t)saved);
 }
 /*
- * Sets *saved to the environment. Returns 1 if it is that of the library, but for exception flags. Then arithmetic may
- * follow without a call between: compilers leave it behind the branch on this result, as it may trap.
+ * Sets *saved to the environment. Returns 1 if it is that of the library, except for exception flags. Then the caller
+ * may compute at once: compilers do not move arithmetic before the branch on this result, since it may trap.
  */
 MLRT_INLINE int mlrt_has_usual_fp_environment(uint64_t *saved)
 {

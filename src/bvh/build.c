@@ -135,7 +135,7 @@ struct task {
     struct mlrt_bvh_size size;   /* 0 until it is measured */
 };
 
-/* What the references of a set, or those of it that one worker takes, are sorted into to find a split. */
+/* What references are sorted into to find a split: those of a whole set, or one worker's share of them. */
 union filling {
     struct mlrt_bvh_bins bins;
     struct mlrt_spatial_bins slabs;
@@ -160,7 +160,7 @@ struct limits {
     double cut_work;      /* per reference of a set that is cut */
 };
 
-/* The arrays of a build but its references, in one block of memory. */
+/* The arrays of a build except its references, in one block of memory. */
 struct work {
     void *block;
     uint64_t size;
@@ -379,7 +379,7 @@ static uint32_t chunks_of(uint32_t count)
     return count / CHUNK_SIZE + (count % CHUNK_SIZE != 0);
 }
 
-/* 1 if `count` references have chunk number `chunk` and the call is not cancelled. For chunk 0 that is not asked. */
+/* Do `count` references have a chunk of this number? After the first chunk, not if the call is cancelled. */
 static int is_chunk_due(const struct build *build, uint32_t count, uint32_t chunk)
 {
     return chunk < chunks_of(count) && (chunk == 0 || !mlrt_is_cancelled(build->progress));
@@ -756,7 +756,7 @@ static int32_t write_all(struct build *build)
 
 /* ---- memory -------------------------------------------------------------------------------------------------- */
 
-/* Takes `count` elements off the memory that begins at `memory`: they follow the first *end bytes of it. */
+/* Returns the place of `count` elements, *end bytes behind `memory`, and moves *end behind them. With NULL, NULL. */
 static void *take(unsigned char *memory, size_t count, size_t size, uint64_t *end)
 {
     void *taken = memory ? memory + *end : NULL;
@@ -764,7 +764,7 @@ static void *take(unsigned char *memory, size_t count, size_t size, uint64_t *en
     return taken;
 }
 
-/* Lays out all arrays of a build but its references. Returns their size. With NULL, sets no array. */
+/* Lays out all arrays of a build except its references. Returns their size. With NULL, sets no array. */
 static uint64_t lay_out_work(struct build *build, unsigned char *memory)
 {
     const uint32_t worker_count = mlrt_worker_count(build->pool);

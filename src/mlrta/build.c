@@ -77,7 +77,7 @@ static const struct preset PRESETS[] = {
 
 /*
  * Cells of more references than this, and than this part of the triangles, are cut into parts. `bench --study build`
- * shows what several workers gain. What is missing are the first rounds, which have fewer cells than there are workers.
+ * shows what several workers gain: less than their number, as the first rounds have fewer cells than there are workers.
  */
 #define PART_SIZE  2048
 #define PART_SHARE 512

@@ -174,8 +174,8 @@ static MLRT_NOINLINE int32_t run_block(const struct mlrt_job *job, const struct 
 }
 
 /*
- * Traces the rays one by one, without a worker, if that is faster. Returns 0 if not. A host that watches progress may
- * end the call, and counters are those of a worker.
+ * Traces the rays one by one, without a worker, if that is faster. Returns 0 if it is not, or if a worker is needed:
+ * for counters, or for a host that watches progress and may end the call.
  */
 static int trace_without_worker(const struct mlrt_job *job, const struct mlrt_run_options *options)
 {
