@@ -382,7 +382,8 @@ static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
 {
     const uint32_t cells = bundle->going;
     uint32_t odd = 0, others = 0;
-    for (uint32_t left = ~(places | cells) & 0xFFFF; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
+    for (uint32_t left = ~(places | cells) & 0xFFFF; left; left &= left - 1)
+        leave_bundle(bundle, mlrt_lowest_bit(left));
     for (uint32_t left = places; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), fit = bound_from_anywhere(bundle, place);
         odd |= (uint32_t)((bundle->tile->packets[place].active & ~fit) != 0) << place;
