@@ -173,7 +173,10 @@ static int begin_parallel_cells(const struct mlrt_bvh *bvh, struct array_cells *
         waist->slope[i] = cells->slope[i] = slope;
         fits &= fabsf(slope) >= LEAST_SLOPE || direction[mlrt_slope_axis(waist->main_axis, i)] == 0;
     }
-    for (int k = 0; k < 3; ++k) middle[k] = 0.5f * (bvh->core.lo[k] + bvh->core.hi[k]) / bvh->unit;
+    for (int k = 0; k < 3; ++k) {
+        middle[k] = 0.5f * (bvh->core.lo[k] + bvh->core.hi[k]) / bvh->unit;
+        fits &= fabsf(middle[k]) < 0x1p100f; /* differences from it do not overflow */
+    }
     cells->vectors = &cells->reader.points;
     cells->from = middle;
     return fits && mlrt_set_apex(middle, bvh->unit, waist);

@@ -913,7 +913,7 @@ static MLRT_NOINLINE uint32_t settle_ends(const struct mlrt_job *job, const stru
     struct mlrt_plane plane;
     const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
     mlrt_set_plane(&triangle, &plane);
-    const float *t = at_end ? packet->t_max : bundle->has_begins ? packet->t_min : NULL;
+    const float *t = at_end ? packet->t_max : packet->has_limits ? packet->t_min : NULL;
     struct measured_lanes n;
     measure_n(&plane, packet, 0, &n);
     const struct sides_of_plane sides =

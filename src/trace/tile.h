@@ -496,8 +496,8 @@ static void trace_going_packets(const struct mlrt_job *job, struct mlrt_worker *
     }
     for (uint32_t left = rest; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
+        bundle->closed &= ~(1u << place);
         if (has_rays(bundle, place) || make_rays_of_packet(job, bundle, place)) {
-            bundle->closed &= ~(1u << place);
             release_packet(bundle, place);
             bundle->set_aside |= left & (0u - left);
         }
