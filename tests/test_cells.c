@@ -457,11 +457,48 @@ static void denormal_slopes(void **state)
     }
 }
 
+/*
+ * Rows of triangles that only some of a tile's packets meet, and rays with a component of 0x1p-60 or less, which float
+ * does not carry: a packet that is closed when others are given up has not seen all of the scene.
+ */
+static void tiles_given_up_with_tiny_components(void **state)
+{
+    (void)state;
+    const float corner[3] = {-100, -100, 10}, side[3] = {200, 0, 0.5f}, other[3] = {0, 200, 0};
+    for (uint64_t seed = 1; seed <= scaled(64 * effort); seed++) {
+        struct random random = {seed * 0x10001 + 5};
+        struct soup soup = {0};
+        const uint32_t count = 150 + draw_below(&random, 600), rows = 6 + draw_below(&random, 6);
+        for (uint32_t i = 0; i < count; i++) {
+            const float z = draw_range(&random, 1, 1.3f), y = ((float)draw_below(&random, rows) - 7.5f) * 0.01f * z;
+            float p[3][3];
+            for (int v = 0; v < 3; v++) {
+                p[v][0] = draw_range(&random, -0.08f, 0.08f);
+                p[v][1] = y + draw_range(&random, -0.002f, 0.002f);
+                p[v][2] = z + draw_range(&random, -0.01f, 0.01f);
+            }
+            soup_add_triangle(&soup, p[0], p[1], p[2]);
+        }
+        soup_add_quad(&soup, corner, side, other);
+        mlrt_camera camera = {.struct_size = sizeof camera, .width = 16, .height = 16, .d00 = {-0.0625f, -0.08f, 1}};
+        camera.dy[1] = 0.01f;
+        if (seed % 2) {
+            camera.dx[0] = 0x1p-7f;
+            camera.dy[0] = 6.1e-20f; /* what rounding leaves of the cosine of a right angle */
+        } else {
+            camera.dx[0] = 0x1p-50f;
+            camera.d00[0] = 0x1p-70f;
+        }
+        check_cells("tiny components", seed, &soup, &camera);
+    }
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(short_directions),
         cmocka_unit_test(denormal_slopes),
+        cmocka_unit_test(tiles_given_up_with_tiny_components),
         cmocka_unit_test(hostile_pictures),
     };
     if (argc > 1 && atoi(argv[1]) > 0) effort = (size_t)atoi(argv[1]);

@@ -251,6 +251,25 @@ static void t_exactly_at_both_ends(void **state)
     finish(&fixture, &list);
 }
 
+/* A begin whose product with the length of the ray underflows is no begin at 0. */
+static void begins_that_underflow(void **state)
+{
+    (void)state;
+    struct soup soup = {0};
+    struct ray_list list = {.row_length = 16};
+    const float k = 0x1p-120f, a[3] = {-k, 1, -1}, b[3] = {-k, 1, 1}, c[3] = {k, -1, 0};
+    const float far_corner[3] = {9, 9, 9}, up[3] = {0, 0.5f, 0}, away[3] = {0, 0, 0.5f};
+    soup_add_triangle(&soup, a, b, c);
+    soup_add_quad(&soup, far_corner, up, away);
+    struct fixture fixture = fixture_of_soup("begins that underflow", 10, &soup);
+    const float begins[] = {0x1p-95f, 0x1p-107f, 0};
+    for (int i = 0; i < 768; i++) {
+        const float origin[3] = {0, -0x1p-46f, 0}, direction[3] = {0x1p-60f, 0, 0};
+        add_ray(&list, origin, direction)->t_min = begins[i / 256];
+    }
+    finish(&fixture, &list);
+}
+
 static void coincident_triangles_in_both_windings(void **state)
 {
     (void)state;
@@ -924,6 +943,7 @@ int main(void)
         cmocka_unit_test(coplanar_rays),
         cmocka_unit_test(origins_within_an_ulp_of_a_triangle),
         cmocka_unit_test(t_exactly_at_both_ends),
+        cmocka_unit_test(begins_that_underflow),
         cmocka_unit_test(coincident_triangles_in_both_windings),
         cmocka_unit_test(parallel_quads_one_float_apart),
         cmocka_unit_test(triangles_without_area_among_others),

@@ -2,6 +2,7 @@
 /*
  * mlrt_occluded_points: points and lights against the shadow rays that they stand for.
  */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,6 +34,34 @@ static void free_points(struct points *points)
 static void check(const struct fixture *fixture, const struct points *points, const mlrt_light *light)
 {
     check_points(fixture, points->positions, points->skip, points->count, points->row_length, light);
+}
+
+/* Compares rays that have one origin, or one direction, in the tile method with each of them alone. */
+static void check_shared_vector(const struct fixture *fixture, const struct points *points, const float one[3],
+                                int is_origin)
+{
+    const mlrt_const_array all = {one, MLRT_STRIDE_ALL}, each = {points->positions, 0};
+    const mlrt_rays rays = {.struct_size = sizeof rays,
+                            .count = points->count,
+                            .row_length = points->row_length,
+                            .origins = is_origin ? all : each,
+                            .directions = is_origin ? each : all,
+                            .skip = {points->skip, 0}};
+    mlrt_trace_options options = {.struct_size = sizeof options, .query = MLRT_QUERY_ANY, .method = MLRT_METHOD_RAY};
+    uint8_t *expected = allocate_or_fail(points->count, 1), *got = allocate_or_fail(points->count, 1);
+    mlrt_hits hits = {.struct_size = sizeof hits, .occluded = {expected, 0, 0}};
+    assert_int_equal(mlrt_trace_packet(fixture->tree, &rays, &options, &hits), MLRT_OK);
+    hits.occluded.data = got;
+    options.method = MLRT_METHOD_TILE;
+    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
+        options.isa = isa;
+        if (isa_is_supported(isa)) {
+            assert_int_equal(mlrt_trace_packet(fixture->tree, &rays, &options, &hits), MLRT_OK);
+            assert_memory_equal(expected, got, points->count);
+        }
+    }
+    free(expected);
+    free(got);
 }
 
 static struct fixture boxes(void)
@@ -233,6 +262,29 @@ static void directions_that_overflow_are_lit(void **state)
     for (size_t i = 0; i < points.count; i += 3) points.positions[3 * i] = 3e38f;
     mlrt_light light = light_at(-3e38f, 0, 0);
     check(&fixture, &points, &light);
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+/* Differences of points and the middle of the scene overflow float, those of rays and triangles do not. */
+static void points_far_beyond_a_distant_scene(void **state)
+{
+    (void)state;
+    const float x = -0x1p110f, sun[3] = {-1, 0, 0};
+    const float corner[3] = {x, -1e30f, -1e30f}, side[3] = {0, 3e30f, 0}, other_side[3] = {0, 0, 3e30f};
+    struct soup soup = {0};
+    soup_add_quad(&soup, corner, side, other_side);
+    struct fixture fixture = fixture_of_soup("a distant wall", 8, &soup);
+    struct points points = make_points(4096);
+    points.row_length = 64;
+    for (size_t i = 0; i < points.count; i++) {
+        points.positions[3 * i] = FLT_MAX;
+        points.positions[3 * i + 1] = (float)(i % 64) * 1e27f;
+        points.positions[3 * i + 2] = (float)(i / 64) * 1e27f;
+    }
+    const mlrt_light light = light_from(sun[0], sun[1], sun[2]);
+    check(&fixture, &points, &light);
+    check_shared_vector(&fixture, &points, sun, 0);
     free_points(&points);
     free_fixture(&fixture);
 }
@@ -439,34 +491,6 @@ static struct points points_of_wall(float height)
     return points;
 }
 
-/* Compares rays that have one origin, or one direction, in the tile method with each of them alone. */
-static void check_shared_vector(const struct fixture *fixture, const struct points *points, const float one[3],
-                                int is_origin)
-{
-    const mlrt_const_array all = {one, MLRT_STRIDE_ALL}, each = {points->positions, 0};
-    const mlrt_rays rays = {.struct_size = sizeof rays,
-                            .count = points->count,
-                            .row_length = points->row_length,
-                            .origins = is_origin ? all : each,
-                            .directions = is_origin ? each : all,
-                            .skip = {points->skip, 0}};
-    mlrt_trace_options options = {.struct_size = sizeof options, .query = MLRT_QUERY_ANY, .method = MLRT_METHOD_RAY};
-    uint8_t *expected = allocate_or_fail(points->count, 1), *got = allocate_or_fail(points->count, 1);
-    mlrt_hits hits = {.struct_size = sizeof hits, .occluded = {expected, 0, 0}};
-    assert_int_equal(mlrt_trace_packet(fixture->tree, &rays, &options, &hits), MLRT_OK);
-    hits.occluded.data = got;
-    options.method = MLRT_METHOD_TILE;
-    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
-        options.isa = isa;
-        if (isa_is_supported(isa)) {
-            assert_int_equal(mlrt_trace_packet(fixture->tree, &rays, &options, &hits), MLRT_OK);
-            assert_memory_equal(expected, got, points->count);
-        }
-    }
-    free(expected);
-    free(got);
-}
-
 /* The wall is there twice, and points lie before it, in it or behind it: only one of its triangles is skipped. */
 static void squares_of_points(void **state)
 {
@@ -576,6 +600,7 @@ int main(void)
         cmocka_unit_test(a_point_at_the_light_is_lit),
         cmocka_unit_test(points_that_are_not_finite_are_lit),
         cmocka_unit_test(directions_that_overflow_are_lit),
+        cmocka_unit_test(points_far_beyond_a_distant_scene),
         cmocka_unit_test(a_surface_at_the_point_shades_it_unless_skipped),
         cmocka_unit_test(a_surface_at_the_light_does_not_shade),
         cmocka_unit_test(points_behind_and_before_a_depth_step),
