@@ -21,14 +21,14 @@
 #   make reproduce       the paper's tables on the procedural scenes, or on those of SCENES=folder VIEWS=cameras.json
 #   make bench           measures speed, beside Embree 3 if `make deps-study` installed it: on procedural scenes, and on
 #                        files with SCENES=folder VIEWS=cameras.json; BENCH='--threads 2' has options of build/bin/bench
-#   make measure         docs/data, all of it, then charts and tables, on the same scenes and one machine: some 45 minutes
-#                        with two cores. It goes on after failures, and what was measured already on this machine and
-#                        commit is not measured again (AGAIN=1: it is); docs/data/measured.csv tells the machine and commit
+#   make measure         docs/data, all of it, then charts and tables, on the same scenes and one machine: an hour or more;
+#                        measure-NAME: docs/data/NAME.csv alone. It goes on after failures, and what was measured already
+#                        on this machine and commit is not measured again (AGAIN=1: it is); docs/data/measured.csv tells
+#                        the machine and commit
 #   make charts          of these what charts show, and docs/*.png: charts-accuracy draws accuracy-* (speed against wrong
 #                        decisions, stability, stages), charts-speed draws speed-* (beside Embree)
 #   make data            and those of tables: data-reproduction (the paper), data-price (exactness), data-depth
 #                        (kd-trees), data-python (the Python package: needs deps-python)
-#   make measure-NAME    docs/data/NAME.csv alone
 #   make sweep           compares the choices that tiles make with fixed ones, on the same scenes: docs/data/sweep.csv
 #   make tables          writes the tables of README.md, docs/ and bindings/ from docs/data
 #   make deps-study      installs what these need besides: Embree 3 to compare with, matplotlib to draw
