@@ -134,8 +134,8 @@ def draw_scenes(rows, path):
     legend_below(figure, [Line2D([], [], linestyle="", marker="o", color=BLACK, label="mlrt / Embree 3 fast (the number)"),
                           Line2D([], [], linestyle="", marker="s", color=GREY, markerfacecolor="white",
                                  label="mlrt / Embree 3 robust")])
-    figure.suptitle("Speed of mlrt, whose answers are exact, to that of Embree 3 on the same rays, one thread. "
-                    "Right of 1, mlrt is faster", fontsize=12)
+    figure.suptitle("Speed of mlrt, whose answers are exact, to that of Embree 3 on the same rays, one thread, both with "
+                    f"{ISAS[rows[0]['isa']]}. Right of 1, mlrt is faster", fontsize=12)
     figure.tight_layout(rect=(0, 0.42 / figure.get_figheight(), 1, 0.99))
     finish(figure, path)
 

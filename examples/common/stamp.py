@@ -67,7 +67,7 @@ def machine_of(table):
         with open(listed, newline="") as file:
             for row in csv.DictReader(file):
                 if row["file"] == os.path.basename(table):
-                    return f"{row['processor']}, {row['vectors']}, {row['measured']}"
+                    return f"{row['processor']} (has {row['vectors']}), {row['measured']}"
     return ""
 
 
