@@ -385,9 +385,9 @@ static struct verdict decide(const struct filtered *filtered, float t_min, float
     struct mlrt_packet packet;
     for (int k = 0; k < 3; ++k) packet.direction[k][0] = filtered->direction[k];
     packet.t_min[0] = t_min;
-    packet.lo[0] = lo;
-    packet.hi[0] = hi;
-    packet.triangle[0] = MLRT_NONE;
+    packet.nearest.lo[0] = lo;
+    packet.nearest.hi[0] = hi;
+    packet.nearest.triangle[0] = MLRT_NONE;
     return filter_vector(&filtered->terms, filtered->reach, &packet, 0, m_from_bits(1));
 }
 
@@ -762,7 +762,7 @@ static double attack_group_plane(const float *input)
     struct mlrt_packet packet;
     struct group_axis axis;
     if (input[2] == 0 || input[0] == input[1]) return -1;
-    packet.has_apex = 1;
+    packet.has.apex = 1;
     packet.apex[0] = input[1];
     set_group_axis(&packet, 1, 0, input[2], input[2], &axis);
     set_group_reciprocals(input[2], input[2], &axis);
@@ -1555,17 +1555,17 @@ static void stacks_hold_what_waits(void **state)
     worker.mask = MLRT_MASK_ALL;
     for (int k = 0; k < 3; ++k) bundle.apex[k] = NAN;
     trace_cells(&job, &worker, 0, &bundle);
-    assert_true(bundle.is_apex);
+    assert_true(bundle.has.apex);
     for (int k = 0; k < 3; ++k) assert_true(bundle.apex[k] == bundle.waist.point[k]); /* packets are compared with it */
-    assert_true(bundle.closed == 1 && bundle.going == 1 && bundle.hulls.cover[0] == MLRT_NONE);
+    assert_true(bundle.state.closed == 1 && bundle.state.going == 1 && bundle.hulls.closed.cover[0] == MLRT_NONE);
 
     packet.direction[2][0] = 1;
-    packet.lo[0] = packet.hi[0] = INFINITY;
-    packet.triangle[0] = MLRT_NONE;
-    packet.has_apex = 1;
+    packet.nearest.lo[0] = packet.nearest.hi[0] = INFINITY;
+    packet.nearest.triangle[0] = MLRT_NONE;
+    packet.has.apex = 1;
     set_reciprocals(&packet, &reciprocals);
     trace_single(&job, &reciprocals, 0, 0, &packet, &worker);
-    assert_true(packet.triangle[0] == MLRT_NONE);
+    assert_true(packet.nearest.triangle[0] == MLRT_NONE);
 }
 
 int main(int argc, char **argv)

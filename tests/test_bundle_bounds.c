@@ -370,16 +370,16 @@ static void begin_bundle_of(const float *point, const float *const *origins, con
     struct mlrt_packet *packet = &tile.packets[0];
     bundle.tile = &tile;
     tile.made = 1;
-    bundle.going = bundle.closed = 1;
-    bundle.made = bundle.riding = bundle.covered = bundle.apexes = 0;
-    bundle.unit = 1;
-    bundle.scene_first = -INFINITY;
-    bundle.scene_last = INFINITY;
+    bundle.state.going = bundle.state.closed = 1;
+    bundle.state.made = bundle.state.riding = bundle.state.covered = bundle.state.apexes = 0;
+    bundle.scene.unit = 1;
+    bundle.scene.first = -INFINITY;
+    bundle.scene.last = INFINITY;
     bundle.waist = (struct mlrt_waist){.sign = directions[0][0] < 0 ? -1.0f : 1.0f};
     memcpy(bundle.waist.point, point, sizeof bundle.waist.point);
     packet->active = (1u << count) - 1;
     packet->single = 0;
-    packet->has_apex = packet->has_skip = packet->has_masks = packet->has_limits = 0;
+    packet->has.apex = packet->has.skip = packet->has.masks = packet->has.limits = 0;
     for (int lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
         const int ray = lane < count ? lane : 0;
         packet->t_min[lane] = 0;
@@ -398,15 +398,15 @@ static void begin_bundle_of(const float *point, const float *const *origins, con
 /* Makes the hull of the packet, and its numbers lane by lane. Returns whether float carries them. */
 static int finish_bundle(int has_places)
 {
-    bundle.has_places = has_places;
-    bundle.is_apex = !has_places && find_apex(&bundle, bundle.apex);
+    bundle.has.places = has_places;
+    bundle.has.apex = !has_places && find_apex(&bundle, bundle.apex);
     const uint32_t fit = bound_from_anywhere(&bundle, 0), active = tile.packets[0].active;
     if ((fit & active) != active || !hulls_fit(&bundle, 1)) return 0;
-    assert_int_equal(bundle.apexes, !has_places);
+    assert_int_equal(bundle.state.apexes, !has_places);
     finish_depths(&bundle, 1, 0);
     finish_hulls(&bundle, 0);
-    bundle.hulls.cover_near[0] = INFINITY;
-    bundle.hulls.cover[0] = MLRT_NONE;
+    bundle.hulls.closed.cover_near[0] = INFINITY;
+    bundle.hulls.closed.cover[0] = MLRT_NONE;
     make_lanes(&bundle, 0);
     return 1;
 }
@@ -426,13 +426,13 @@ static void set_up_triangle(const float *input)
     static const uint32_t number = 0;
     struct bundle_corners corners;
     load_bundle_corners(&bundle.waist, input, 1, 0, &corners);
-    leaf.flipped = leaf.fans = 0;
-    leaf.there = leaf.from_waist = 1;
+    leaf.state.flipped = leaf.state.fans = 0;
+    leaf.state.there = leaf.state.from_waist = 1;
     leaf.numbers = &number;
     set_outlines(&bundle.waist, (const vf(*)[3])corners.to, 0, &leaf);
     divisor_count = 0;
-    set_up_bundle_vector(&corners, 0, bundle.has_places, &leaf); /* divisors: of n, of edges ab, bc, ca */
-    leaf.doubtful = doubtful_places(&leaf) & 1;
+    set_up_bundle_vector(&corners, 0, bundle.has.places, &leaf); /* divisors: of n, of edges ab, bc, ca */
+    leaf.state.doubtful = doubtful_places(&leaf) & 1;
     memcpy(triangles[0].v, input, sizeof triangles[0].v);
     for (int i = 0; i < 3; i++) load_exactly(input + 3 * i, &corner[i]);
     for (int i = 0; i < 3; i++) subtract_vectors(&corner[(i + 1) % 3], &corner[i], &edge[i]);
@@ -444,7 +444,7 @@ static void set_up_triangle(const float *input)
 /* Terms of triangles may have the other sign. */
 static void turn_as_leaf(void)
 {
-    if (leaf.flipped & 1) mpf_neg(truth, truth);
+    if (leaf.state.flipped & 1) mpf_neg(truth, truth);
 }
 
 /* Set `truth` to the edge function, D and N of a ray, as they are: N from its origin. */
@@ -492,7 +492,7 @@ static double attack_place(const float *input)
 {
     double worst = 0;
     if (!bundle_of(input, 1, 1)) return -1;
-    const float bound = PLACE_ERROR * (bundle.hulls.reach[0] * bundle.hulls.away[0]) + PLACE_FLOOR;
+    const float bound = PLACE_ERROR * (bundle.hulls.filter.reach[0] * bundle.hulls.filter.away[0]) + PLACE_FLOOR;
     set_scale(tile.rays[0].pace[0], 1);
     for (int side = 0; side < 2; side++) {
         mpf_mul(truth, origin[0].x[1 + side], direction[0].x[0]);
@@ -512,20 +512,20 @@ static double attack_hull(const float *input)
     double worst = 0;
     if (!bundle_of(input, 2, 1)) return -1;
     const struct mlrt_hulls *hulls = &bundle.hulls;
-    const double reach = hulls->reach[0], error = PLACE_ERROR * (reach * hulls->away[0]) + PLACE_FLOOR;
+    const double reach = hulls->filter.reach[0], error = PLACE_ERROR * (reach * hulls->filter.away[0]) + PLACE_FLOOR;
     double radius[2];
     for (int ray = 0; ray < 2; ray++) {
         set_scale(tile.rays[0].pace[ray], 1);
         for (int side = 0; side < 2; side++) {
             const struct mlrt_hull_row *slopes = &hulls->term[MLRT_SLOPE_J + side],
                                        *places = &hulls->term[MLRT_PLACE_J + side];
-            const double middle = hulls->middle[MLRT_SLOPE_J + side][0],
+            const double middle = hulls->filter.middle[MLRT_SLOPE_J + side][0],
                          slope_size = fmax(fabs(slopes->lo[0]), fabs(slopes->hi[0]));
-            const double at = hulls->middle[MLRT_PLACE_J + side][0],
+            const double at = hulls->filter.middle[MLRT_PLACE_J + side][0],
                          size = fmax(fabs(places->lo[0]), fabs(places->hi[0]));
             mpf_set(truth, direction[ray].x[1 + side]);
             if (2 * slope_size > reach) return INFINITY;
-            radius[side] = hulls->radius[MLRT_SLOPE_J + side][0];
+            radius[side] = hulls->filter.radius[MLRT_SLOPE_J + side][0];
             worst = fmax(worst, beyond(slopes->lo[0], slopes->hi[0], 0x1p-21 * slope_size + 0x1p-140));
             worst = fmax(worst, fabs(error_over(middle, radius[side] + 0x1p-148)) > 1 ? INFINITY : 0);
             worst = fmax(worst, beyond(hulls->slope[side].lo[0], hulls->slope[side].hi[0], 1) > 0 ? INFINITY : 0);
@@ -533,21 +533,22 @@ static double attack_hull(const float *input)
             mpf_mul(product, origin[ray].x[0], direction[ray].x[1 + side]);
             mpf_sub(truth, truth, product);
             worst = fmax(worst, beyond(places->lo[0], places->hi[0], error));
-            worst = fmax(worst, fabs(error_over(at, hulls->radius[MLRT_PLACE_J + side][0] + error)) > 1 ? INFINITY : 0);
+            worst = fmax(worst,
+                         fabs(error_over(at, hulls->filter.radius[MLRT_PLACE_J + side][0] + error)) > 1 ? INFINITY : 0);
             worst = fmax(worst, beyond(hulls->place[side].lo[0], hulls->place[side].hi[0], 1) > 0 ? INFINITY : 0);
-            if (13 * 0x1p-24 * size > hulls->blur[0]) return INFINITY;
+            if (13 * 0x1p-24 * size > hulls->filter.blur[0]) return INFINITY;
         }
         /* m d_main^2 = d_l (x_j d_main) - d_j (x_l d_main), where x d_main = o d_main - o_main d: o_main drops out. */
         mpf_mul(truth, origin[ray].x[1], direction[ray].x[2]);
         mpf_mul(product, origin[ray].x[2], direction[ray].x[1]);
         mpf_sub(truth, truth, product);
-        const double around = hulls->radius[MLRT_MOMENT][0] + 1.001 * reach * error;
-        worst = fmax(worst, fabs(error_over(hulls->middle[MLRT_MOMENT][0], around)) > 1 ? INFINITY : 0);
+        const double around = hulls->filter.radius[MLRT_MOMENT][0] + 1.001 * reach * error;
+        worst = fmax(worst, fabs(error_over(hulls->filter.middle[MLRT_MOMENT][0], around)) > 1 ? INFINITY : 0);
         for (int k = 0; k < 3; k++) { /* o_main and twice the others as computed */
             mpf_abs(truth, origin[ray].x[k]);
             set_scale(1, 1);
             const double rounded = fabs((k ? 2 : 1) * tile.rays[0].to_waist[k][ray]);
-            if (rounded > hulls->away[0]) return INFINITY;
+            if (rounded > hulls->filter.away[0]) return INFINITY;
         }
     }
     return worst;
@@ -563,7 +564,7 @@ static double attack_depths(const float *input)
     if (input[2] == 0) return -1;
     is_fused = 0;
     begin_bundle_of(point, origins, directions, 1);
-    packet->has_limits = 1;
+    packet->has.limits = 1;
     packet->t_min[0] = input[3];
     packet->t_max[0] = input[4] == 1 ? INFINITY : input[4];
     const float begin = fmaxf(input[3], 0), end = packet->t_max[0];
@@ -576,17 +577,17 @@ static double attack_depths(const float *input)
     mpf_mul(truth, truth, direction[0].x[0]);
     if (mpf_cmp_d(truth, (double)hulls->begin[0] * (1 + 0x1p-23) + 0x1p-149) > 0) return INFINITY;
     mpf_add(truth, truth, origin[0].x[0]);
-    const double away = fabs(mpf_get_d(truth)) + hulls->away[0], moved = SLOPE_SLACK * away + HULL_FLOOR;
+    const double away = fabs(mpf_get_d(truth)) + hulls->filter.away[0], moved = SLOPE_SLACK * away + HULL_FLOOR;
     worst = fmax(worst, error_over(hulls->first[0] + moved, moved));
-    worst = fmax(worst, -error_over(hulls->core_first[0] - moved, moved));
+    worst = fmax(worst, -error_over(hulls->closed.core_first[0] - moved, moved));
     if (isinf(end)) return hulls->last[0] == INFINITY ? worst : INFINITY;
     mpf_set_d(truth, end);
     mpf_mul(truth, truth, direction[0].x[0]);
     mpf_add(truth, truth, origin[0].x[0]);
-    const double far = fabs(mpf_get_d(truth)) + hulls->away[0], moved_end = SLOPE_SLACK * far + HULL_FLOOR;
+    const double far = fabs(mpf_get_d(truth)) + hulls->filter.away[0], moved_end = SLOPE_SLACK * far + HULL_FLOOR;
     if (far > 0x1p120) return worst;
     worst = fmax(worst, -error_over(hulls->last[0] - moved_end, moved_end));
-    return fmax(worst, error_over(hulls->core_last[0] + moved_end, moved_end));
+    return fmax(worst, error_over(hulls->closed.core_last[0] + moved_end, moved_end));
 }
 
 /* Any numbers of any size, as t_min and t_max near each other, of both signs. */
@@ -607,7 +608,7 @@ static void draw_depths(struct random *random, const struct bound *bound, float 
 /* Those of the first ray and a triangle. */
 static void find_edges(const struct mlrt_bundle_leaf *of, int has_places, struct edge_values *found)
 {
-    found->bound[0] = edge_bounds(&bundle.hulls, 0, of->steepness[0], has_places);
+    found->bound[0] = edge_bounds(&bundle.hulls, 0, of->edges.steepness[0], has_places);
     if (has_places) {
         find_edge_values(of, &tile.rays[0], &tile.packets[0], 1, 1, 0, 1, found);
     } else {
@@ -625,8 +626,8 @@ static double edges_over(const float *input, int has_places)
     for (int i = 0; i < 3; i++) {
         struct mlrt_bundle_leaf one = leaf;
         for (int j = 0; j < 3; j++) {
-            one.edge_constant[j][0] = leaf.edge_constant[i][0];
-            memcpy(one.edge[j], leaf.edge[i], sizeof one.edge[j]);
+            one.edges.constant[j][0] = leaf.edges.constant[i][0];
+            memcpy(one.edges.coefficient[j], leaf.edges.coefficient[i], sizeof one.edges.coefficient[j]);
         }
         find_edges(&one, has_places, &found);
         find_edge(i, 0);
@@ -657,7 +658,7 @@ static double attack_box(const float *input)
     if (!bundle_of(input, 1, 1)) return -1;
     const struct mlrt_hulls *hulls = &bundle.hulls;
     const float depth = (input[0] - input[WAIST]) * bundle.waist.sign;
-    const float place_bound = PLACE_ERROR * (hulls->reach[0] * hulls->away[0]) + PLACE_FLOOR;
+    const float place_bound = PLACE_ERROR * (hulls->filter.reach[0] * hulls->filter.away[0]) + PLACE_FLOOR;
     load_exactly(input, &corner[0]);
     set_scale(tile.rays[0].pace[0], 1);
     mpf_sub(corner[0].x[0], corner[0].x[0], origin[0].x[0]);
@@ -755,12 +756,12 @@ static double outlines_over(const float *input, int has_places)
     set_up_triangle(point);
     outline_packet(&bundle, 0, &hull);
     const struct mlrt_hulls *hulls = &bundle.hulls;
-    const double error = has_places ? PLACE_ERROR * (hulls->reach[0] * hulls->away[0]) + PLACE_FLOOR : 0;
+    const double error = has_places ? PLACE_ERROR * (hulls->filter.reach[0] * hulls->filter.away[0]) + PLACE_FLOOR : 0;
     const double depth = fabs(mpf_get_d(corner[0].x[0]));
     set_scale(1, 1);
     for (int i = 0; i < 2; i++) {
         const double t = bundle.waist.slope[i], slope = tile.rays[0].term[MLRT_SLOPE_J + i][0];
-        const int is_fan = leaf.fans & 1;
+        const int is_fan = leaf.state.fans & 1;
         find_exact_place(i, corner[0].x[0]);
         mpf_sub(other, corner[0].x[1 + i], truth); /* by which the ray passes */
         find_exact_place(i, NULL);
@@ -774,12 +775,12 @@ static double outlines_over(const float *input, int has_places)
         const vf places[2] = {v_set1(hull.place_lo[i]), v_set1(hull.place_hi[i])};
         MLRT_ALIGNED(64) float lower[VW], upper[VW];
         vf ends[2];
-        find_outline_ends(&bundle.waist, i, v_set1(leaf.weight[0]), m_from_bits(0), is_fan, slopes, places, has_places,
-                          ends);
+        find_outline_ends(&bundle.waist, i, v_set1(leaf.outline.weight[0]), m_from_bits(0), is_fan, slopes, places,
+                          has_places, ends);
         v_store(lower, ends[0]);
         v_store(upper, ends[1]);
         /* What is compared, relative to the ray's own: lo - upper is not more than `truth`, hi - lower not less. */
-        const double low = (double)leaf.outline_lo[i][0] - upper[0], high = (double)leaf.outline_hi[i][0] - lower[0];
+        const double low = (double)leaf.outline.lo[i][0] - upper[0], high = (double)leaf.outline.hi[i][0] - lower[0];
         if (!(low <= INFINITY && high >= -INFINITY)) return INFINITY;
         if ((mpf_sgn(truth) <= 0 && low > 0) || (mpf_sgn(truth) >= 0 && high < 0)) return INFINITY;
         if (!has_places && !is_fan && p < 0x1p-100) continue; /* what underflows keeps its order: nothing is used */
@@ -805,10 +806,11 @@ static double cuts_over(const float *input, int has_places)
     double worst = 0;
     if (!bundle_of(input, 2, has_places)) return -1;
     set_up_triangle(input);
-    const float bound = 2 * edge_bounds(&bundle.hulls, 0, leaf.steepness[0], has_places);
+    const float bound = 2 * edge_bounds(&bundle.hulls, 0, leaf.edges.steepness[0], has_places);
     for (int i = 0; i < 3; i++) {
         float least, greatest;
-        bound_over_hull(&bundle.hulls, 0, leaf.edge_constant[i], (const float(*)[MLRT_BVH_LEAF_LIMIT])leaf.edge[i][0],
+        bound_over_hull(&bundle.hulls, 0, leaf.edges.constant[i],
+                        (const float(*)[MLRT_BVH_LEAF_LIMIT])leaf.edges.coefficient[i][0],
                         has_places ? MLRT_RAY_TERMS : 2, &least, &greatest);
         for (int ray = 0; ray < 2; ray++) {
             find_edge(i, ray);
@@ -817,10 +819,10 @@ static double cuts_over(const float *input, int has_places)
             worst = fmax(worst, beyond(least, greatest, bound));
         }
     }
-    const float width = 2 * PLANE_BOUND * bundle.hulls.reach[0];
+    const float width = 2 * PLANE_BOUND * bundle.hulls.filter.reach[0];
     float least, greatest;
-    bound_over_hull(&bundle.hulls, 0, leaf.normal[0], (const float(*)[MLRT_BVH_LEAF_LIMIT])leaf.normal[1], 2, &least,
-                    &greatest);
+    bound_over_hull(&bundle.hulls, 0, leaf.planes.normal[0], (const float(*)[MLRT_BVH_LEAF_LIMIT])leaf.planes.normal[1],
+                    2, &least, &greatest);
     for (int ray = 0; ray < 2; ray++) {
         find_d(ray);
         turn_as_leaf();
@@ -854,7 +856,8 @@ static int is_cut(int has_places)
 static int test_ray(int has_places, struct bundle_vector *of, struct plane_of_rays *plane)
 {
     const struct mlrt_hulls *hulls = &bundle.hulls;
-    const struct plane_bounds bounds = {PLANE_BOUND * hulls->reach[0], has_places ? hulls->away[0] : 0, 0};
+    const struct plane_bounds bounds = {PLANE_BOUND * hulls->filter.reach[0], has_places ? hulls->filter.away[0] : 0,
+                                        0};
     static struct edge_values edges;
     static const uint32_t number = 7;
     leaf.numbers = &number;
@@ -882,12 +885,13 @@ static double decisions_over(const float *input, int has_places)
     turn_as_leaf();
     const int side = mpf_sgn(truth);
     if (!has_places) {
-        if (!leaf.doubtful && side <= 0) return INFINITY;
+        if (!leaf.state.doubtful && side <= 0) return INFINITY;
         settle_signs(&tree_of_one, &bundle.waist, &leaf);
         find_n(0);
         turn_as_leaf();
-        if (mpf_sgn(truth) < 0 || leaf.doubtful || (leaf.from_waist & 1) != (mpf_sgn(truth) != 0)) return INFINITY;
-        if (!leaf.from_waist) return 0;
+        if (mpf_sgn(truth) < 0 || leaf.state.doubtful || (leaf.state.from_waist & 1) != (mpf_sgn(truth) != 0))
+            return INFINITY;
+        if (!leaf.state.from_waist) return 0;
     }
     const int hit = find_hit(0, 0), decision = test_ray(has_places, &of, &plane);
     if ((decision > 0 && hit <= 0) || (decision < 0 && hit >= 0)) return INFINITY;
@@ -915,7 +919,8 @@ static double ends_over(const float *input, int is_distance, int has_places)
     struct plane_of_rays plane;
     if (!bundle_of(input, 1, has_places)) return -1;
     set_up_triangle(input);
-    const struct plane_bounds bounds = {PLANE_BOUND * bundle.hulls.reach[0], has_places ? bundle.hulls.away[0] : 0, 0};
+    const struct plane_bounds bounds = {PLANE_BOUND * bundle.hulls.filter.reach[0],
+                                        has_places ? bundle.hulls.filter.away[0] : 0, 0};
     (void)test_ray(has_places, &of, &plane);
     of.nearest.least_n = of.nearest.greatest_n = INFINITY;
     of.nearest.triangle = MLRT_NONE;
@@ -969,13 +974,13 @@ static double covers_over(const float *input, int has_places)
     set_up_triangle(input);
     if (!has_places) {
         settle_signs(&tree_of_one, &bundle.waist, &leaf);
-        if (!leaf.from_waist) return -1;
+        if (!leaf.state.from_waist) return -1;
     }
     see_triangle_of_packets(&bundle.hulls, &leaf, 0, 0, has_places, &of);
     bound_depths(&bundle.hulls, &leaf, 0, 0, has_places, &of);
-    tile.packets[0].triangle[0] = MLRT_NONE;
+    tile.packets[0].nearest.triangle[0] = MLRT_NONE;
     const uint32_t may = offer_to_packets(&job, &worker, &bundle, &leaf, 0, 1);
-    const int is_covered = bundle.hulls.cover[0] == 0;
+    const int is_covered = bundle.hulls.closed.cover[0] == 0;
     if (may && is_covered) return INFINITY;
     if (of.out && (may || is_covered)) return INFINITY;
     for (int ray = 0; ray < count; ray++) {
@@ -984,7 +989,7 @@ static double covers_over(const float *input, int has_places)
         if (of.inside && of_line <= 0) return INFINITY;
         if (is_covered && hit <= 0) return INFINITY;
         if (!may && !is_covered && hit >= 0) return INFINITY;
-        if (hit >= 0 && bundle.going && is_cut(has_places)) return INFINITY;
+        if (hit >= 0 && bundle.state.going && is_cut(has_places)) return INFINITY;
         if (!of.sure) continue;
         find_d(ray);
         turn_as_leaf();
@@ -999,17 +1004,19 @@ static double covers_over(const float *input, int has_places)
         set_scale(1, 1);
         if (isinf(of.near) || isinf(of.far)) continue;
         worst = fmax(worst, fabs(place_between(of.near, of.far)));
-        if (is_covered && (bundle.hulls.cover_near[0] != of.near || bundle.hulls.last[0] > of.far)) return INFINITY;
+        if (is_covered && (bundle.hulls.closed.cover_near[0] != of.near || bundle.hulls.last[0] > of.far))
+            return INFINITY;
         if (count > 1 || hit < 0) continue;
         /* Where the packet looks no farther, or no nearer, than that the ray still hits it. */
         const float depth = (float)mpf_get_d(truth), last = mpf_cmp_d(truth, depth) > 0 ? next_float(depth, 1) : depth;
         const float first = mpf_cmp_d(truth, depth) < 0 ? next_float(depth, -1) : depth;
         for (int end = 0; end < 2 && fabsf(depth) < FLT_MAX; end++) {
             (void)finish_bundle(has_places);
-            bundle.going = bundle.closed = 1;
+            bundle.state.going = bundle.state.closed = 1;
             if (end) bundle.hulls.last[0] = last;
             if (!end) bundle.hulls.first[0] = first;
-            if (!offer_to_packets(&job, &worker, &bundle, &leaf, 0, 1) && bundle.hulls.cover[0] != 0) return INFINITY;
+            if (!offer_to_packets(&job, &worker, &bundle, &leaf, 0, 1) && bundle.hulls.closed.cover[0] != 0)
+                return INFINITY;
         }
     }
     return count == 1 ? worst : worst > 1 ? worst : 0.01;

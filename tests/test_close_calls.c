@@ -60,8 +60,8 @@ static void set_lane(struct bench *bench, uint32_t lane, const float origin[3], 
         packet->direction[k][lane] = ray->direction[k];
     }
     packet->t_min[lane] = ray->t_min;
-    packet->t_max[lane] = packet->lo[lane] = packet->hi[lane] = ray->t_max;
-    packet->triangle[lane] = MLRT_NONE;
+    packet->t_max[lane] = packet->nearest.lo[lane] = packet->nearest.hi[lane] = ray->t_max;
+    packet->nearest.triangle[lane] = MLRT_NONE;
 }
 
 /* Gives all rays the origin of the first. */
@@ -74,7 +74,7 @@ static void set_apex(struct bench *bench)
         memcpy(bench->rays[lane].origin, bench->packet.apex, sizeof bench->packet.apex);
         for (int k = 0; k < 3; k++) bench->packet.origin[k][lane] = NAN;
     }
-    bench->packet.has_apex = 1;
+    bench->packet.has.apex = 1;
 }
 
 /* Is the ray inside the edges, as a float filter may know? Not if any edge is touched, which it cannot. */
@@ -90,13 +90,13 @@ static int is_inside(const struct bench *bench, const struct mlrt_tree *tree, ui
 /* t is certainly above lo, unless that is 0, and no more than hi. */
 static void check_bounds(const struct bench *bench, const struct mlrt_tree *tree, uint32_t lane)
 {
-    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, bench->packet.triangle[lane]);
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, bench->packet.nearest.triangle[lane]);
     struct mlrt_ray_segment above = bench->rays[lane], below = bench->rays[lane];
-    above.t_min = bench->packet.lo[lane];
+    above.t_min = bench->packet.nearest.lo[lane];
     above.t_max = INFINITY;
     below.t_min = 0;
-    below.t_max = bench->packet.hi[lane];
-    assert_true(bench->packet.lo[lane] >= 0);
+    below.t_max = bench->packet.nearest.hi[lane];
+    assert_true(bench->packet.nearest.lo[lane] >= 0);
     assert_true(mlrt_hits_triangle(&above, &triangle, NULL));
     assert_true(mlrt_hits_triangle(&below, &triangle, NULL));
 }
@@ -107,8 +107,8 @@ static void widen_bounds(struct bench *bench, struct random *random, uint32_t la
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
         const float width = (float)draw_below(random, 40) * 0x1p-24f;
-        bench->packet.lo[lane] *= 1 - width;
-        bench->packet.hi[lane] *= 1 + width;
+        bench->packet.nearest.lo[lane] *= 1 - width;
+        bench->packet.nearest.hi[lane] *= 1 + width;
     }
 }
 
@@ -124,10 +124,11 @@ static uint32_t offer(decide_function *decide, struct bench *bench, const struct
     uint32_t inside = 0, hit = 0, was_none = 0;
     lanes &= bench->valid;
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
-        expected[lane] = (struct mlrt_nearest){packet->triangle[lane], packet->lo[lane], packet->hi[lane]};
-        if (packet->triangle[lane] == number) lanes &= ~(1u << lane);
+        expected[lane] =
+            (struct mlrt_nearest){packet->nearest.triangle[lane], packet->nearest.lo[lane], packet->nearest.hi[lane]};
+        if (packet->nearest.triangle[lane] == number) lanes &= ~(1u << lane);
         if (!(lanes >> lane & 1)) continue;
-        was_none |= (uint32_t)(packet->triangle[lane] == MLRT_NONE) << lane;
+        was_none |= (uint32_t)(packet->nearest.triangle[lane] == MLRT_NONE) << lane;
         if (is_inside(bench, tree, number, lane)) inside |= 1u << lane;
         if (mlrt_offer_triangle(&tree->by_number, &bench->rays[lane], number, &expected[lane], NULL)) hit |= 1u << lane;
     }
@@ -139,10 +140,10 @@ static uint32_t offer(decide_function *decide, struct bench *bench, const struct
     assert_int_equal(hit & was_none & ~found, 0);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
         if (!(bench->valid >> lane & 1)) continue;
-        if (packet->triangle[lane] != expected[lane].triangle) {
+        if (packet->nearest.triangle[lane] != expected[lane].triangle) {
             const struct mlrt_ray_segment *ray = &bench->rays[lane];
             fail_msg("lane %u, triangle %u: %u in place of %u; ray %a %a %a, %a %a %a", (unsigned)lane,
-                     (unsigned)number, (unsigned)packet->triangle[lane], (unsigned)expected[lane].triangle,
+                     (unsigned)number, (unsigned)packet->nearest.triangle[lane], (unsigned)expected[lane].triangle,
                      (double)ray->origin[0], (double)ray->origin[1], (double)ray->origin[2], (double)ray->direction[0],
                      (double)ray->direction[1], (double)ray->direction[2]);
         }
@@ -199,7 +200,7 @@ static void aim(struct bench *bench, struct random *random, const struct mlrt_tr
         float direction[3], target[3];
         const uint32_t kind = draw_below(random, 4);
         float a = kind == 0 ? 0 : draw_range(random, 0, 1), b = kind <= 1 ? 0 : draw_range(random, 0, 1 - a);
-        if (lane == 0 || !bench->packet.has_apex) {
+        if (lane == 0 || !bench->packet.has.apex) {
             for (int k = 0; k < 3; k++) {
                 const float size = fabsf(base.v[0][k] - base.v[1][k]) + fabsf(base.v[0][k] - base.v[2][k]);
                 origin[k] = base.v[0][k] + 8 * size * draw_range(random, -1, 1);
@@ -323,7 +324,7 @@ static void what_double_decides_is_not_judged(void **state)
             assert_int_equal(offer(functions[i], bench, tree, order, 0xFFFF, &random), 0);
             assert_int_equal(offer(functions[i], bench, tree, 1 - order, 0xFFFF, &random), 0);
             for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
-                assert_int_not_equal(bench->packet.triangle[lane], MLRT_NONE);
+                assert_int_not_equal(bench->packet.nearest.triangle[lane], MLRT_NONE);
             }
         }
     }
@@ -358,7 +359,7 @@ static void ends_of_rays_at_walls(void **state)
             }
             assert_int_equal(offer(functions[i], bench, tree, 0, 0xFFFF, &random), 0);
             for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
-                assert_int_equal(bench->packet.triangle[lane], lane % 4 == 2 ? MLRT_NONE : 0);
+                assert_int_equal(bench->packet.nearest.triangle[lane], lane % 4 == 2 ? MLRT_NONE : 0);
             }
         }
         mlrt_destroy_tree(tree);
@@ -454,7 +455,7 @@ static void close_calls_are_stopped(void **state)
         assert_true(NEST_COUNT - number <= MLRT_SLOW_STEPS + 1);
         const struct mlrt_packet before = bench->packet;
         assert_int_equal(functions[i](tree, 0, 0xFFFF, 0xFFFF, &bench->packet, &bench->worker, NULL), 0);
-        assert_memory_equal(before.triangle, bench->packet.triangle, sizeof before.triangle);
+        assert_memory_equal(before.nearest.triangle, bench->packet.nearest.triangle, sizeof before.nearest.triangle);
         mlrt_leave_fp_environment(bench->worker.watch.environment);
         mlrt_end_progress(&progress, MLRT_ERROR_CANCELLED);
     }

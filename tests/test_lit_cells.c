@@ -65,7 +65,7 @@ struct place {
 /* Where a ray of this direction from the eye hits the plane of a cell's cover. Returns 0 if nowhere. */
 static int find_place(const struct scene *scene, uint32_t place, const double d[3], struct place *found)
 {
-    const struct mlrt_triangle *triangle = &scene->triangles[scene->seen.hulls.cover[place]];
+    const struct mlrt_triangle *triangle = &scene->triangles[scene->seen.hulls.closed.cover[place]];
     double ab[3], ac[3], n = 0, greatest = 0, steepness = 0, size = 0, roundness = 0;
     found->reach = 0;
     for (int k = 0; k < 3; ++k) {
@@ -147,8 +147,8 @@ static void check_ray(const struct scene *scene, uint32_t place, const struct ex
     int faces = -1;
     for (int k = 0; k < 3; ++k) d[k] = (double)direction[k];
     if (!mlrt_make_segment(scene->eye, direction, 0, INFINITY, &ray) || !find_place(scene, place, d, &at)) return;
-    const int is_ray =
-        mlrt_make_shadow_ray(&scene->light, &scene->triangles[scene->seen.hulls.cover[place]], &ray, &faces, &shadow);
+    const int is_ray = mlrt_make_shadow_ray(&scene->light, &scene->triangles[scene->seen.hulls.closed.cover[place]],
+                                            &ray, &faces, &shadow);
     if (scene->dark >> place & 1) {
         if (faces) parts->slope = 10;
         return;
@@ -160,7 +160,8 @@ static void check_ray(const struct scene *scene, uint32_t place, const struct ex
         return;
     }
     parts->depth = fmax(parts->depth, part_of(depth, of->farthest, (double)scene->lit.hulls.last[place]));
-    parts->depth = fmax(parts->depth, part_of(-depth, -of->shortest, -(double)scene->lit.hulls.core_last[place]));
+    parts->depth =
+        fmax(parts->depth, part_of(-depth, -of->shortest, -(double)scene->lit.hulls.closed.core_last[place]));
     for (int side = 0; side < 2; ++side) {
         const struct mlrt_hull_row *slopes = &scene->lit.hulls.term[side];
         const double slope = (double)shadow.direction[(b + 1 + side) % 3] / depth;
@@ -224,7 +225,7 @@ static int attack(const float *input, struct parts *parts)
     memcpy(scene.light.light, input + LIGHT, sizeof scene.light.light);
     scene.seen.waist.main_axis = (int)(bits & 3) % 3;
     scene.seen.waist.sign = bits & 4 ? -1.0f : 1.0f;
-    scene.seen.hulls.cover[place] = 0;
+    scene.seen.hulls.closed.cover[place] = 0;
     for (int side = 0; side < 2; ++side) {
         const float s = input[SLOPES + 2 * side], t = input[SLOPES + 2 * side + 1];
         if (fabsf(s) > 2 || fabsf(t) > 2) return 0;
@@ -349,9 +350,9 @@ static void draw_scene(struct random *random, struct scene *scene)
             scene->seen.hulls.term[side].hi[place] = lo + 0.25f * width;
             d[(scene->seen.waist.main_axis + 1 + (int)side) % 3] = lo + 0.125f * width;
         }
-        scene->seen.hulls.cover[place] = place;
+        scene->seen.hulls.closed.cover[place] = place;
         if (place && draw_below(random, 4)) {
-            scene->seen.hulls.cover[place] = scene->seen.hulls.cover[place - 1];
+            scene->seen.hulls.closed.cover[place] = scene->seen.hulls.closed.cover[place - 1];
             continue;
         }
         draw_cover(random, scene->eye, d, corners, normal);

@@ -468,18 +468,18 @@ static void compare_packets(uint32_t place, uint32_t lanes, const struct mlrt_pa
 {
     static const char *const components[] = {"x", "y", "z"};
     assert_int_equal(one->active, lanes);
-    assert_int_equal(one->has_apex, other->has_apex);
-    assert_int_equal(one->has_skip, other->has_skip);
-    assert_int_equal(one->has_limits, other->has_limits);
-    assert_int_equal(one->has_masks, other->has_masks);
-    if (one->has_apex) assert_memory_equal(one->apex, other->apex, sizeof one->apex);
+    assert_int_equal(one->has.apex, other->has.apex);
+    assert_int_equal(one->has.skip, other->has.skip);
+    assert_int_equal(one->has.limits, other->has.limits);
+    assert_int_equal(one->has.masks, other->has.masks);
+    if (one->has.apex) assert_memory_equal(one->apex, other->apex, sizeof one->apex);
     for (int k = 0; k < 3; k++) compare_lanes(components[k], place, lanes, one->direction[k], other->direction[k]);
-    for (int k = 0; !one->has_apex && k < 3; k++) {
+    for (int k = 0; !one->has.apex && k < 3; k++) {
         compare_lanes("an origin", place, lanes, one->origin[k], other->origin[k]);
     }
     compare_lanes("t_min", place, lanes, one->t_min, other->t_min);
     compare_lanes("t_max", place, lanes, one->t_max, other->t_max);
-    if (one->has_skip) compare_lanes("the skip", place, lanes, one->skip, other->skip);
+    if (one->has.skip) compare_lanes("the skip", place, lanes, one->skip, other->skip);
 }
 
 /* Which lanes of a block can hit something, and which of them float carries, as it is said of one ray. */
@@ -515,7 +515,7 @@ static uint32_t compare_tiles(const struct mlrt_source *source, const struct rea
                 const struct mlrt_rectangle block = mlrt_block_of_tile(&tile, place);
                 const uint32_t lanes = mlrt_existing_lanes(source, &block);
                 mlrt_fetch_packet(source, block.x, block.y, lanes, &packet);
-                if (packet.has_skip) mlrt_number_skips(source->tree, &packet);
+                if (packet.has.skip) mlrt_number_skips(source->tree, &packet);
                 compare_packets(place, lanes, &tile.packets[place], &packet);
                 readers->fetch_block(source, &block, lanes, &packet);
                 readers->check_block(source, lanes, &packet);

@@ -146,11 +146,11 @@ static void check_packet(const struct array arrays[FIELD_COUNT], const struct ml
     const uint32_t lanes = mlrt_existing_lanes(source, block);
     struct mlrt_packet other;
     mlrt_fetch_packet(source, block->x, block->y, lanes, &other);
-    if (other.has_skip) mlrt_number_skips(source->tree, &other);
+    if (other.has.skip) mlrt_number_skips(source->tree, &other);
     assert_int_equal(packet->active, lanes);
-    assert_int_equal(packet->has_skip, arrays[SKIP].data != NULL);
-    assert_int_equal(packet->has_limits, arrays[T_MIN].data || arrays[T_MAX].data);
-    assert_int_equal(packet->has_apex, 0);
+    assert_int_equal(packet->has.skip, arrays[SKIP].data != NULL);
+    assert_int_equal(packet->has.limits, arrays[T_MIN].data || arrays[T_MAX].data);
+    assert_int_equal(packet->has.apex, 0);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
         if (!(lanes >> lane & 1)) continue;
         const size_t ray =
@@ -165,7 +165,7 @@ static void check_packet(const struct array arrays[FIELD_COUNT], const struct ml
         const void *last = arrays[T_MAX].data ? (const void *)element_of(&arrays[T_MAX], ray) : &infinity;
         check_words("t_min", ray, first, packet->t_min[lane], layout, group);
         check_words("t_max", ray, last, packet->t_max[lane], layout, group);
-        if (packet->has_skip) assert_int_equal(packet->skip[lane], other.skip[lane]);
+        if (packet->has.skip) assert_int_equal(packet->skip[lane], other.skip[lane]);
     }
 }
 

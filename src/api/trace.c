@@ -76,7 +76,7 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     if (status != MLRT_OK) return status;
     job->lights = NULL;
     job->light_count = 0;
-    job->callback = NULL;
+    job->callback.function = NULL;
     job->tree = tree;
     job->any = options->query == MLRT_QUERY_ANY;
     job->multilevel.culling = options->culling;
@@ -92,7 +92,7 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     if (status != MLRT_OK) return status;
     const uint32_t split_factor = options->split_factor ? options->split_factor : DEFAULT_SPLIT_FACTOR;
     job->multilevel.split_divisor = split_factor == 4 ? 2 : 4;
-    job->outputs = options->outputs;
+    job->callback.outputs = options->outputs;
     mlrt_set_masks(tree, options->mask, tree->structure->tracer.filters_leaves, &job->source);
     return choose_kernels(options->isa, options->counters != NULL, job);
 }
@@ -331,7 +331,8 @@ static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_c
     if (status == MLRT_OK) status = make_light_jobs(lights, light_count, job, light_jobs);
     if (status != MLRT_OK) return status;
     mlrt_make_sink(frame, job->source.width, 0, &job->frame);
-    if (light_count && (job->frame.channel[MLRT_CHANNEL_OCCLUDED].data || job->outputs & MLRT_OUTPUT_OCCLUDED)) {
+    if (light_count &&
+        (job->frame.channel[MLRT_CHANNEL_OCCLUDED].data || job->callback.outputs & MLRT_OUTPUT_OCCLUDED)) {
         job->lights = light_jobs;
         job->light_count = light_count;
         job->multilevel.shortcuts &= ~(uint32_t)MLRT_SHORTCUT_WHOLE_TILES;
@@ -358,8 +359,8 @@ MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *cam
     const uint64_t environment = mlrt_enter_fp_environment();
     status = make_render_job(tree, &own_camera, &call, &own_frame, &job, light_jobs);
     mlrt_leave_fp_environment(environment);
-    job.callback = callback;
-    job.user = user;
+    job.callback.function = callback;
+    job.callback.user = user;
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
     return mlrt_end_traced(&call, status);
 }
@@ -377,13 +378,14 @@ static MLRT_NOINLINE int32_t write_camera_rays(const mlrt_camera *camera, const 
     struct mlrt_view view;
     const int32_t status = mlrt_make_view(camera, &view);
     if (status != MLRT_OK) return status;
-    for (uint32_t j = 0; j < view.height; ++j) {
-        for (uint32_t i = 0; i < view.width; ++i) {
+    for (uint32_t j = 0; j < view.crop.height; ++j) {
+        for (uint32_t i = 0; i < view.crop.width; ++i) {
             float p[3];
             mlrt_view_point(&view, i, j, p);
-            if (origins->data) memcpy(vector_at(origins, view.width, i, j), view.parallel ? p : view.eye, sizeof p);
+            if (origins->data)
+                memcpy(vector_at(origins, view.crop.width, i, j), view.parallel ? p : view.eye, sizeof p);
             if (directions->data)
-                memcpy(vector_at(directions, view.width, i, j), view.parallel ? camera->direction : p, sizeof p);
+                memcpy(vector_at(directions, view.crop.width, i, j), view.parallel ? camera->direction : p, sizeof p);
         }
     }
     return MLRT_OK;

@@ -54,9 +54,18 @@ extern const struct mlrt_form mlrt_forms[MLRT_FORM_COUNT];
 
 /* All rules. In one struct, so that forms need no addresses, which would have to be relocated in a shared library. */
 extern const struct mlrt_rules {
-    struct mlrt_field host[1], pool_options[1], tree_options[3], kdtree_options[5], load_options[1], trace_options[9],
-        counters[1], ray[1], rays[8], points[3], light[2], hits[8], hit_lists[9], camera[1], view[9], vectors[1],
-        bytes[1], number[1];
+    struct mlrt_option_rules {
+        struct mlrt_field host[1], pool[1], tree[3], kdtree[5], load[1], trace[9], counters[1];
+    } options;
+    struct mlrt_ray_rules {
+        struct mlrt_field ray[1], rays[8], points[3], light[2], camera[1], view[9];
+    } rays;
+    struct mlrt_result_rules {
+        struct mlrt_field hits[8], hit_lists[9];
+    } results;
+    struct mlrt_argument_rules {
+        struct mlrt_field vectors[1], bytes[1], number[1];
+    } arguments;
 } mlrt_rules;
 
 /* The first rule of a form; the others follow. */

@@ -28,29 +28,38 @@ struct batch {
     uint32_t next_worker; /* worker number of the next task that starts */
 };
 
-struct mlrt_pool {
-    pthread_mutex_t call_mutex; /* held for the length of a call: one batch at a time */
-    pthread_mutex_t mutex;      /* guards all members below */
+struct thread {
+    pthread_t handle;
+    mlrt_pool *pool;
+    uint32_t worker;
+};
+
+/* The threads of a pool, and the batch that they work on. */
+struct threads {
+    struct thread *all;
+    size_t capacity;
     pthread_cond_t batch_begins;
     pthread_cond_t batch_ends;
     struct batch *batch;   /* NULL between calls */
     uint64_t batch_number; /* so that a thread takes part in each batch once */
     uint32_t busy_count;   /* threads that work on the batch */
     int ending;            /* 1 = threads are to end */
-    uint32_t thread_count; /* threads started; with tasks, the most tasks of a batch */
-    struct thread *threads;
-    struct mlrt_memory memory;
-    size_t thread_capacity;
-    /* Set if the pool uses tasks: then it has no threads, and any number of batches can run at a time. */
+};
+
+/* The host's functions that run tasks. With tasks a pool has no threads, and any number of batches can run at a time. */
+struct tasks {
     void *user;
-    mlrt_enqueue_callback enqueue;
+    mlrt_enqueue_callback enqueue; /* NULL = the pool has threads */
     mlrt_finish_callback finish;
 };
 
-struct thread {
-    pthread_t handle;
-    mlrt_pool *pool;
-    uint32_t worker;
+struct mlrt_pool {
+    struct mlrt_memory memory;
+    uint32_t thread_count;      /* threads started; with tasks, the most tasks of a batch */
+    pthread_mutex_t call_mutex; /* held for the length of a call: one batch at a time */
+    pthread_mutex_t mutex;      /* guards batches and all members below */
+    struct threads threads;
+    struct tasks tasks;
 };
 
 /* Claims and runs items until none is left or one stops the batch. The mutex is held on entry and on return. */
@@ -72,13 +81,13 @@ static void *run_thread(void *argument)
     uint64_t seen = 0;
     pthread_mutex_lock(&pool->mutex);
     for (;;) {
-        while (!pool->ending && (!pool->batch || pool->batch_number == seen))
-            pthread_cond_wait(&pool->batch_begins, &pool->mutex);
-        if (pool->ending) break;
-        seen = pool->batch_number;
-        ++pool->busy_count;
-        work_on_batch(pool, pool->batch, thread->worker);
-        if (--pool->busy_count == 0) pthread_cond_signal(&pool->batch_ends);
+        while (!pool->threads.ending && (!pool->threads.batch || pool->threads.batch_number == seen))
+            pthread_cond_wait(&pool->threads.batch_begins, &pool->mutex);
+        if (pool->threads.ending) break;
+        seen = pool->threads.batch_number;
+        ++pool->threads.busy_count;
+        work_on_batch(pool, pool->threads.batch, thread->worker);
+        if (--pool->threads.busy_count == 0) pthread_cond_signal(&pool->threads.batch_ends);
     }
     pthread_mutex_unlock(&pool->mutex);
     return NULL;
@@ -114,12 +123,12 @@ static void run_tasks(mlrt_pool *pool, struct batch *batch)
     void *tasks[MLRT_THREAD_LIMIT];
     const uint32_t most = batch->item_count - 1;
     const uint32_t task_count = pool->thread_count < most ? pool->thread_count : most;
-    for (uint32_t i = 0; i < task_count; ++i) tasks[i] = pool->enqueue(pool->user, run_task, batch);
+    for (uint32_t i = 0; i < task_count; ++i) tasks[i] = pool->tasks.enqueue(pool->tasks.user, run_task, batch);
     pthread_mutex_lock(&pool->mutex);
     work_on_batch(pool, batch, 0);
     pthread_mutex_unlock(&pool->mutex);
     for (uint32_t i = 0; i < task_count; ++i)
-        if (tasks[i]) pool->finish(pool->user, tasks[i]);
+        if (tasks[i]) pool->tasks.finish(pool->tasks.user, tasks[i]);
 }
 
 int32_t mlrt_run_items(mlrt_pool *pool, uint32_t item_count, mlrt_work_function *function, void *work)
@@ -127,18 +136,18 @@ int32_t mlrt_run_items(mlrt_pool *pool, uint32_t item_count, mlrt_work_function 
     if (!pool || pool->thread_count == 0 || item_count < 2) return run_alone(item_count, function, work);
 
     struct batch batch = {function, work, item_count, 0, 0, pool, 1};
-    if (pool->enqueue) {
+    if (pool->tasks.enqueue) {
         run_tasks(pool, &batch);
         return batch.result;
     }
     pthread_mutex_lock(&pool->call_mutex);
     pthread_mutex_lock(&pool->mutex);
-    pool->batch = &batch;
-    ++pool->batch_number;
-    pthread_cond_broadcast(&pool->batch_begins);
+    pool->threads.batch = &batch;
+    ++pool->threads.batch_number;
+    pthread_cond_broadcast(&pool->threads.batch_begins);
     work_on_batch(pool, &batch, 0);
-    pool->batch = NULL;
-    while (pool->busy_count > 0) pthread_cond_wait(&pool->batch_ends, &pool->mutex);
+    pool->threads.batch = NULL;
+    while (pool->threads.busy_count > 0) pthread_cond_wait(&pool->threads.batch_ends, &pool->mutex);
     pthread_mutex_unlock(&pool->mutex);
     pthread_mutex_unlock(&pool->call_mutex);
     return batch.result;
@@ -146,12 +155,12 @@ int32_t mlrt_run_items(mlrt_pool *pool, uint32_t item_count, mlrt_work_function 
 
 static void free_pool(mlrt_pool *pool)
 {
-    pthread_cond_destroy(&pool->batch_ends);
-    pthread_cond_destroy(&pool->batch_begins);
+    pthread_cond_destroy(&pool->threads.batch_ends);
+    pthread_cond_destroy(&pool->threads.batch_begins);
     pthread_mutex_destroy(&pool->mutex);
     pthread_mutex_destroy(&pool->call_mutex);
     struct mlrt_memory memory = pool->memory;
-    mlrt_free(&memory, pool->threads, pool->thread_capacity, sizeof *pool->threads);
+    mlrt_free(&memory, pool->threads.all, pool->threads.capacity, sizeof *pool->threads.all);
     mlrt_free(&memory, pool, 1, sizeof *pool);
 }
 
@@ -160,17 +169,17 @@ static mlrt_pool *allocate_pool(const mlrt_host *host, uint32_t thread_capacity)
     struct mlrt_memory memory = mlrt_host_memory(host, 0);
     mlrt_pool *pool = mlrt_allocate_zeroed(&memory, 1, sizeof *pool);
     if (!pool) return NULL;
-    pool->threads = mlrt_allocate_zeroed(&memory, thread_capacity, sizeof *pool->threads);
-    if (!pool->threads) {
+    pool->threads.all = mlrt_allocate_zeroed(&memory, thread_capacity, sizeof *pool->threads.all);
+    if (!pool->threads.all) {
         mlrt_free(&memory, pool, 1, sizeof *pool);
         return NULL;
     }
     pool->memory = memory;
-    pool->thread_capacity = thread_capacity;
+    pool->threads.capacity = thread_capacity;
     pthread_mutex_init(&pool->call_mutex, NULL);
     pthread_mutex_init(&pool->mutex, NULL);
-    pthread_cond_init(&pool->batch_begins, NULL);
-    pthread_cond_init(&pool->batch_ends, NULL);
+    pthread_cond_init(&pool->threads.batch_begins, NULL);
+    pthread_cond_init(&pool->threads.batch_ends, NULL);
     return pool;
 }
 
@@ -183,7 +192,7 @@ static uint32_t online_processor_count(void)
 static int32_t start_threads(mlrt_pool *pool, uint32_t thread_count)
 {
     for (uint32_t worker = 1; worker < thread_count; ++worker) {
-        struct thread *thread = &pool->threads[worker - 1];
+        struct thread *thread = &pool->threads.all[worker - 1];
         thread->pool = pool;
         thread->worker = worker;
         if (pthread_create(&thread->handle, NULL, run_thread, thread) != 0) return MLRT_ERROR_THREAD;
@@ -195,10 +204,11 @@ static int32_t start_threads(mlrt_pool *pool, uint32_t thread_count)
 void mlrt_end_pool(mlrt_pool *pool)
 {
     pthread_mutex_lock(&pool->mutex);
-    pool->ending = 1;
-    pthread_cond_broadcast(&pool->batch_begins);
+    pool->threads.ending = 1;
+    pthread_cond_broadcast(&pool->threads.batch_begins);
     pthread_mutex_unlock(&pool->mutex);
-    for (uint32_t i = 0; i < pool->thread_count && !pool->enqueue; ++i) pthread_join(pool->threads[i].handle, NULL);
+    for (uint32_t i = 0; i < pool->thread_count && !pool->tasks.enqueue; ++i)
+        pthread_join(pool->threads.all[i].handle, NULL);
     free_pool(pool);
 }
 
@@ -208,10 +218,10 @@ int32_t mlrt_make_pool(const mlrt_pool_options *options, const mlrt_host *host, 
     const uint32_t thread_count = options->thread_count ? options->thread_count : online_processor_count();
     mlrt_pool *made = allocate_pool(host, options->enqueue ? 0 : thread_count - 1);
     if (!made) return MLRT_ERROR_OUT_OF_MEMORY;
-    made->user = options->user;
-    made->enqueue = options->enqueue;
-    made->finish = options->finish;
-    if (made->enqueue) {
+    made->tasks.user = options->user;
+    made->tasks.enqueue = options->enqueue;
+    made->tasks.finish = options->finish;
+    if (made->tasks.enqueue) {
         made->thread_count = thread_count - 1;
     } else {
         status = start_threads(made, thread_count);

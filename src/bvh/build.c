@@ -180,6 +180,12 @@ struct shared {
     int has_slabs;
 };
 
+/* The boxes of triangles, or of their parts, from which the hierarchy is built. */
+struct references {
+    struct mlrt_quad_box *boxes;
+    uint32_t count;
+};
+
 struct build {
     struct mlrt_tree *tree;
     mlrt_pool *pool;
@@ -187,8 +193,7 @@ struct build {
     const struct preset *preset;
     struct mlrt_bvh_costs costs;
     struct limits limits;
-    struct mlrt_quad_box *references;
-    uint32_t reference_count;
+    struct references references;
     struct mlrt_binary_tree binary;
     uint32_t depth_limit; /* of this attempt */
     double scene_area;    /* area of the core of the scene; a few boxes may be larger */
@@ -273,10 +278,10 @@ static double make_chunk_references(struct build *build, uint32_t number, uint32
         else if (!mlrt_triangle_has_area(triangle))
             chunk->zero_area_count++;
         else
-            set_reference(&build->references[first + chunk->count++], triangle, i);
+            set_reference(&build->references.boxes[first + chunk->count++], triangle, i);
     }
     for (uint32_t i = 0; i < chunk->count; i++) {
-        struct mlrt_quad_box *reference = &build->references[first + i];
+        struct mlrt_quad_box *reference = &build->references.boxes[first + i];
         int is_far = 0;
         for (int k = 0; k < 3; k++) {
             const float lo = reference->lo[k], hi = reference->hi[k];
@@ -295,19 +300,19 @@ static int32_t make_references(struct build *build)
     struct mlrt_box bounds = MLRT_NO_BOX;
     mlrt_tree_info *info = &build->tree->info;
     info->non_finite_count = info->zero_area_count = 0;
-    build->reference_count = 0;
+    build->references.count = 0;
     if (run_step(build, build->limits.chunk_count, make_chunk_references) != MLRT_OK) return MLRT_ERROR_CANCELLED;
     for (uint32_t i = 0; i < build->limits.chunk_count; i++) {
         const struct chunk *chunk = &build->work.chunks[i];
-        if (build->reference_count != i * CHUNK_SIZE)
-            memmove(&build->references[build->reference_count], &build->references[i * CHUNK_SIZE],
-                    chunk->count * sizeof *build->references);
-        build->reference_count += chunk->count;
+        if (build->references.count != i * CHUNK_SIZE)
+            memmove(&build->references.boxes[build->references.count], &build->references.boxes[i * CHUNK_SIZE],
+                    chunk->count * sizeof *build->references.boxes);
+        build->references.count += chunk->count;
         mlrt_extend_box(chunk->bounds.lo, chunk->bounds.hi, &bounds);
         info->non_finite_count += chunk->non_finite_count;
         info->zero_area_count += chunk->zero_area_count;
     }
-    if (build->reference_count > 0) build->tree->bounds = bounds;
+    if (build->references.count > 0) build->tree->bounds = bounds;
     mlrt_set_bvh_extent(build->tree);
     return MLRT_OK;
 }
@@ -400,10 +405,10 @@ static void fill_chunk(const struct build *build, const struct portion *portion,
     const struct mlrt_bvh_set *set = &portion->set;
     const uint32_t begin = chunk * CHUNK_SIZE, left = set->count - begin, count = left < CHUNK_SIZE ? left : CHUNK_SIZE;
     if (has_slabs)
-        mlrt_fill_spatial_bins(build->tree->triangles, build->tree->bvh.unit, build->references, set->first + begin,
-                               count, &set->box, &filling->slabs);
+        mlrt_fill_spatial_bins(build->tree->triangles, build->tree->bvh.unit, build->references.boxes,
+                               set->first + begin, count, &set->box, &filling->slabs);
     else
-        mlrt_fill_bins(build->references, set->first + begin, count, &set->centres, &filling->bins);
+        mlrt_fill_bins(build->references.boxes, set->first + begin, count, &set->centres, &filling->bins);
 }
 
 static double fill_share(struct build *build, uint32_t chunk, uint32_t worker)
@@ -437,7 +442,7 @@ static void fill(struct build *build, const struct portion *portion, int has_sla
 static MLRT_NOINLINE void find_split(struct build *build, const struct portion *portion, struct mlrt_bvh_split *split)
 {
     if (portion->set.count <= MLRT_SWEEP_LIMIT) {
-        mlrt_sweep_set(&build->costs, build->references, &portion->set, split);
+        mlrt_sweep_set(&build->costs, build->references.boxes, &portion->set, split);
     } else {
         union filling all;
         fill(build, portion, 0, &all);
@@ -513,8 +518,8 @@ static void move_set(const struct build *build, struct mlrt_bvh_set *set, uint32
     const uint32_t to = first > set->first ? first + set->count - count : first;
     for (uint32_t chunk = 0; is_chunk_due(build, count, chunk); chunk++) {
         const uint32_t begin = chunk * CHUNK_SIZE, left = count - begin;
-        memcpy(build->references + to + begin, build->references + from + begin,
-               (left < CHUNK_SIZE ? left : CHUNK_SIZE) * sizeof *build->references);
+        memcpy(build->references.boxes + to + begin, build->references.boxes + from + begin,
+               (left < CHUNK_SIZE ? left : CHUNK_SIZE) * sizeof *build->references.boxes);
     }
     set->first = first;
 }
@@ -524,7 +529,7 @@ static void halve(struct build *build, struct mlrt_bvh_set sets[2])
 {
     static const struct mlrt_bvh_split NO_SPLIT = {.cost = HUGE_VAL};
     struct mlrt_bvh_set whole = sets[0].count > 0 ? sets[0] : sets[1];
-    mlrt_apply_bvh_split(build->references, &whole, &NO_SPLIT, build->progress, sets);
+    mlrt_apply_bvh_split(build->references.boxes, &whole, &NO_SPLIT, build->progress, sets);
 }
 
 /* Deals the references of a portion out to its sides. Returns 0 if the call is cancelled. */
@@ -533,10 +538,10 @@ static int apply(struct build *build, const struct portion *portion, const struc
 {
     struct mlrt_bvh_set sets[2];
     if (choice->spatial)
-        mlrt_apply_spatial_split(build->tree->triangles, build->tree->bvh.unit, build->references, &portion->set,
+        mlrt_apply_spatial_split(build->tree->triangles, build->tree->bvh.unit, build->references.boxes, &portion->set,
                                  &choice->plane, build->progress, sets);
     else
-        mlrt_apply_bvh_split(build->references, &portion->set, &choice->split, build->progress, sets);
+        mlrt_apply_bvh_split(build->references.boxes, &portion->set, &choice->split, build->progress, sets);
     if (mlrt_is_cancelled(build->progress)) return 0;
     if (sets[0].count == 0 || sets[1].count == 0) halve(build, sets);
     share_out(build, portion, sets, sides);
@@ -584,7 +589,7 @@ static void build_subtree(struct build *build, struct portion *portion, struct m
     if (!cut(build, portion, node, sides)) {
         mlrt_choose_leaf(&build->costs, area, node, costs);
         for (uint32_t i = node->first; i < node->first + node->count; i++)
-            build->binary.triangles[i] = mlrt_reference_word(&build->references[i]);
+            build->binary.triangles[i] = mlrt_reference_word(&build->references.boxes[i]);
         return;
     }
     for (int side = 0; side < 2; side++) build_subtree(build, &sides[side], &side_costs[side]);
@@ -784,16 +789,16 @@ static int allocate_work(struct build *build)
     struct mlrt_memory *memory = &build->tree->memory;
     build->work.size = lay_out_work(build, NULL);
     if (build->work.size > SIZE_MAX) return 0;
-    build->references = mlrt_allocate(memory, build->limits.capacity, sizeof *build->references);
-    build->work.block = build->references ? mlrt_allocate(memory, (size_t)build->work.size, 1) : NULL;
+    build->references.boxes = mlrt_allocate(memory, build->limits.capacity, sizeof *build->references.boxes);
+    build->work.block = build->references.boxes ? mlrt_allocate(memory, (size_t)build->work.size, 1) : NULL;
     if (build->work.block) lay_out_work(build, build->work.block);
     return build->work.block != NULL;
 }
 
 static void release_references(struct build *build)
 {
-    mlrt_free(&build->tree->memory, build->references, build->limits.capacity, sizeof *build->references);
-    build->references = NULL;
+    mlrt_free(&build->tree->memory, build->references.boxes, build->limits.capacity, sizeof *build->references.boxes);
+    build->references.boxes = NULL;
 }
 
 void mlrt_free_bvh(struct mlrt_tree *tree)
@@ -851,8 +856,8 @@ static void measure_scene(struct build *build, const struct mlrt_quad_box *box)
 static int32_t build_binary(struct build *build, uint32_t depth_limit, struct mlrt_bvh_size *size)
 {
     struct portion *root = &build->work.portions[0];
-    root->set = mlrt_measure_set(build->references, 0, build->reference_count, build->progress);
-    root->spare = build->limits.capacity - build->reference_count;
+    root->set = mlrt_measure_set(build->references.boxes, 0, build->references.count, build->progress);
+    root->spare = build->limits.capacity - build->references.count;
     root->node = root->depth = root->failed_count = 0;
     root->budget = build->limits.leaf_limit;
     struct mlrt_forest_costs costs;
@@ -876,14 +881,14 @@ static int32_t build_hierarchy(struct build *build)
     memset(&tree->bounds, 0, sizeof tree->bounds);
     mlrt_set_bvh_unit(tree);
     int32_t status = make_references(build);
-    if (status == MLRT_OK && build->reference_count > 0) status = build_binary(build, BINARY_DEPTH, &size);
+    if (status == MLRT_OK && build->references.count > 0) status = build_binary(build, BINARY_DEPTH, &size);
     if (status == MLRT_OK && size.depth > MLRT_BVH_DEPTH_LIMIT) {
         status = make_references(build); // the first attempt has cut references
         if (status == MLRT_OK) status = build_binary(build, MLRT_BVH_DEPTH_LIMIT, &size);
     }
     release_references(build);
     if (status == MLRT_OK) status = allocate_result(tree, &size);
-    if (status == MLRT_OK && build->reference_count > 0) status = write_all(build);
+    if (status == MLRT_OK && build->references.count > 0) status = write_all(build);
     if (status == MLRT_OK) mlrt_write_given(tree);
     return status;
 }
@@ -944,7 +949,7 @@ struct mlrt_demand mlrt_foresee_bvh(const void *tree_options, uint32_t triangle_
     struct build build = NOTHING_BUILT;
     set_limits(options, triangle_count, &build);
     build.pool = options->pool;
-    const uint64_t references = (uint64_t)build.limits.capacity * sizeof *build.references;
+    const uint64_t references = (uint64_t)build.limits.capacity * sizeof *build.references.boxes;
     const uint64_t work = lay_out_work(&build, NULL);
     const uint64_t result = (uint64_t)(RESULT_SIZES[options->preset] * triangle_count) + sizeof(struct mlrt_bvh_node) +
                             2 * 52 * sizeof(float);

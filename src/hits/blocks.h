@@ -76,7 +76,7 @@ static void write_cover_numbers(const struct mlrt_job *job, struct mlrt_worker *
     struct mlrt_packet packet;
     const uint32_t lanes = mlrt_block_lanes(block->width, block->height);
     fetch_block(&job->source, block, lanes, &packet);
-    mlrt_fill_words(packet.triangle, number);
+    mlrt_fill_words(packet.nearest.triangle, number);
     write_packet(job, worker, &packet, lanes, block);
 }
 
@@ -93,9 +93,9 @@ static MLRT_NOINLINE void write_closed(const struct mlrt_job *job, struct mlrt_w
         return;
     }
     if (job->any) mlrt_write_picture_shadow(worker, 1, tile);
-    if (!job->frame.numbers && !worker->tile.numbers) {
-        for (uint32_t i = 0; i < worker->sink_count; ++i) {
-            mlrt_write_same_ids(job->tree, cover, tile, worker->sinks[i]);
+    if (!job->frame.numbers && !worker->sinks.tile.numbers) {
+        for (uint32_t i = 0; i < worker->sinks.count; ++i) {
+            mlrt_write_same_ids(job->tree, cover, tile, worker->sinks.each[i]);
         }
         return;
     }

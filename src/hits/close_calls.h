@@ -84,7 +84,7 @@ MLRT_INLINE void cross_product_of_sizes(const vd a[3], const vd b[3], vd cross[3
 MLRT_INLINE void place_origin(const struct mlrt_packet *packet, uint32_t lane, struct close_triangle *triangle)
 {
     for (int k = 0; k < 3; ++k) {
-        const vd origin = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
+        const vd origin = packet->has.apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
         triangle->to_a[k] = d_sub(triangle->a[k], origin);
     }
     triangle->n = dot_product_of_doubles(triangle->to_a, triangle->normal);
@@ -101,14 +101,14 @@ static MLRT_NOINLINE void set_close_triangle(const struct mlrt_triangle *corners
     }
     cross_product_of_doubles(triangle->ab, triangle->ac, triangle->normal);
     cross_product_of_sizes(triangle->ab, triangle->ac, triangle->normal_size);
-    if (packet->has_apex) place_origin(packet, 0, triangle);
+    if (packet->has.apex) place_origin(packet, 0, triangle);
 }
 
 /* Bounds N and D for the DW lanes from `lane` on. */
 static MLRT_NOINLINE void bound_quotient(struct close_triangle *triangle, const struct mlrt_packet *packet,
                                          uint32_t lane, struct close_bounds *bounds)
 {
-    if (!packet->has_apex) place_origin(packet, lane, triangle);
+    if (!packet->has.apex) place_origin(packet, lane, triangle);
     const vd direction[3] = {d_load(packet->direction[0] + lane), d_load(packet->direction[1] + lane),
                              d_load(packet->direction[2] + lane)};
     const vd error = d_set1(CLOSE_ERROR);
@@ -230,7 +230,7 @@ MLRT_INLINE uint32_t compare_with_all_nearest(const struct mlrt_tree *tree, cons
     uint32_t nearer = 0;
     *farther = 0;
     while (lanes) {
-        const uint32_t nearest = packet->triangle[mlrt_lowest_bit(lanes)];
+        const uint32_t nearest = packet->nearest.triangle[mlrt_lowest_bit(lanes)];
         const uint32_t same = lanes & lanes_of_triangle(packet, nearest);
         uint32_t behind;
         lanes &= ~same;
@@ -258,7 +258,7 @@ MLRT_INLINE struct known_lanes look_up_lanes(const struct mlrt_tree *tree, uint3
     struct known_lanes known = {0, 0, 0};
     const uint32_t plane = mlrt_known_plane_of(worker, number);
     while (lanes) {
-        const uint32_t nearest = packet->triangle[mlrt_lowest_bit(lanes)];
+        const uint32_t nearest = packet->nearest.triangle[mlrt_lowest_bit(lanes)];
         const uint32_t same = lanes & lanes_of_triangle(packet, nearest);
         lanes &= ~same;
         if (nearest == MLRT_NONE) continue;
@@ -266,7 +266,7 @@ MLRT_INLINE struct known_lanes look_up_lanes(const struct mlrt_tree *tree, uint3
             known.tied |= mlrt_settle_tie(number, nearest, same, inside, packet);
             continue;
         }
-        if (!packet->has_apex) continue;
+        if (!packet->has.apex) continue;
         const int order = mlrt_known_order(tree, packet->apex, number, nearest, worker);
         known.farther |= order > 0 ? same : 0;
         known.nearer |= order < 0 ? same : 0;
@@ -294,9 +294,9 @@ MLRT_INLINE void keep_close_hits(uint32_t number, uint32_t nearer, const struct 
     }
     for (; nearer; nearer &= nearer - 1) {
         const uint32_t lane = mlrt_lowest_bit(nearer);
-        packet->triangle[lane] = number;
-        packet->lo[lane] = lo[lane] < FLT_MAX ? lo[lane] : FLT_MAX; /* t may exceed all floats */
-        packet->hi[lane] = hi[lane];
+        packet->nearest.triangle[lane] = number;
+        packet->nearest.lo[lane] = lo[lane] < FLT_MAX ? lo[lane] : FLT_MAX; /* t may exceed all floats */
+        packet->nearest.hi[lane] = hi[lane];
     }
 }
 
@@ -340,8 +340,8 @@ static MLRT_NOINLINE uint32_t decide_by_doubles(const struct mlrt_tree *tree, ui
         if (!among) continue;
         bound_quotient(&triangle, packet, lane, &bounds[lane / DW]);
         const struct close_verdict verdict =
-            test_lanes(&triangle, packet, lane, among, inside >> lane, d_load(packet->lo + lane),
-                       d_load(packet->hi + lane), &bounds[lane / DW]);
+            test_lanes(&triangle, packet, lane, among, inside >> lane, d_load(packet->nearest.lo + lane),
+                       d_load(packet->nearest.hi + lane), &bounds[lane / DW]);
         passed |= verdict.passed << lane;
         hit |= verdict.hit << lane;
         nearer |= verdict.nearer << lane;

@@ -14,16 +14,16 @@ void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct m
         const uint32_t lane = mlrt_lowest_bit(lanes);
         struct mlrt_ray_segment ray;
         mlrt_get_segment(packet, lane, &ray);
-        if (!packet->has_masks) ray.mask = job->source.common_mask;
+        if (!packet->has.masks) ray.mask = job->source.common_mask;
         if (counters) ++counters->packet_count;
-        packet->triangle[lane] = job->tree->structure->tracer.trace_ray(
-            job->tree, &ray, packet->has_skip ? packet->skip[lane] : MLRT_NONE, job->any, NULL, counters);
+        packet->nearest.triangle[lane] = job->tree->structure->tracer.trace_ray(
+            job->tree, &ray, packet->has.skip ? packet->skip[lane] : MLRT_NONE, job->any, NULL, counters);
     }
 }
 
 static void write_misses(struct mlrt_worker *worker, const struct mlrt_rectangle *area)
 {
-    for (uint32_t i = 0; i < worker->sink_count; ++i) mlrt_write_misses(area, worker->sinks[i]);
+    for (uint32_t i = 0; i < worker->sinks.count; ++i) mlrt_write_misses(area, worker->sinks.each[i]);
 }
 
 /* The last row of a list may be short; it is written by itself. */
@@ -43,11 +43,11 @@ void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *w
 
 void mlrt_write_picture_shadow(const struct mlrt_worker *worker, uint8_t shadow, const struct mlrt_rectangle *tile)
 {
-    for (uint32_t i = 0; i < worker->sink_count; ++i) mlrt_write_same_shadow(shadow, tile, worker->sinks[i]);
+    for (uint32_t i = 0; i < worker->sinks.count; ++i) mlrt_write_same_shadow(shadow, tile, worker->sinks.each[i]);
 }
 
 void mlrt_write_packet_shadows(const struct mlrt_worker *worker, const uint8_t shadows[MLRT_PACKET_RAYS],
                                uint32_t lanes, const struct mlrt_rectangle *block)
 {
-    for (uint32_t i = 0; i < worker->sink_count; ++i) mlrt_write_shadows(shadows, lanes, block, worker->sinks[i]);
+    for (uint32_t i = 0; i < worker->sinks.count; ++i) mlrt_write_shadows(shadows, lanes, block, worker->sinks.each[i]);
 }

@@ -140,7 +140,7 @@ MLRT_INLINE const struct mlrt_hit_terms *find_shared_terms(const struct mlrt_tre
         mlrt_set_plane_terms(&triangle, kept);
         cache->numbers[place] = number;
     }
-    if (packet->has_apex && memcmp(packet->apex, kept->origin, sizeof kept->origin) != 0) {
+    if (packet->has.apex && memcmp(packet->apex, kept->origin, sizeof kept->origin) != 0) {
         mlrt_set_origin_terms(packet->apex, kept);
     }
     return kept;
@@ -289,7 +289,7 @@ MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct
     vd direction[3], origin[3];
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        origin[k] = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
+        origin[k] = packet->has.apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
     }
     load_directions(packet, lane, direction);
     return report_rays(plane, origin, direction, direction_size, outputs, lane, values);
@@ -332,7 +332,7 @@ static MLRT_NOINLINE uint32_t report_kept(const struct mlrt_tree *tree, const st
                                           struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)
 {
     const struct mlrt_hit_terms *terms = find_shared_terms(tree, packet, number, cache);
-    return packet->has_apex ? report_from_apex(packet, terms->term, direction_size, outputs, values)
+    return packet->has.apex ? report_from_apex(packet, terms->term, direction_size, outputs, values)
                             : report_one_triangle(packet, terms, direction_size, outputs, values);
 }
 
@@ -351,7 +351,7 @@ static void copy_lanes(uint32_t lanes, const struct mlrt_packet_values *from, st
 MLRT_INLINE int hits_few_triangles(const struct mlrt_packet *packet, uint32_t hit)
 {
     for (int i = 0; i < FEW_TRIANGLES && hit; ++i) {
-        hit &= ~lanes_of_triangle(packet, packet->triangle[mlrt_lowest_bit(hit)]);
+        hit &= ~lanes_of_triangle(packet, packet->nearest.triangle[mlrt_lowest_bit(hit)]);
     }
     return !hit;
 }
@@ -365,7 +365,7 @@ static MLRT_NOINLINE uint32_t report_several(const struct mlrt_tree *tree, const
     struct mlrt_packet_values of_one;
     uint32_t reported = 0;
     for (uint32_t left = hit; left;) {
-        const uint32_t number = packet->triangle[mlrt_lowest_bit(left)];
+        const uint32_t number = packet->nearest.triangle[mlrt_lowest_bit(left)];
         const uint32_t lanes = left & lanes_of_triangle(packet, number);
         reported |= report_kept(tree, packet, number, direction_size, outputs, cache, &of_one) & (lanes | lanes << 16);
         copy_lanes(lanes, &of_one, values);
@@ -382,7 +382,7 @@ static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet
                           uint32_t outputs, struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)
 {
     if (hit) {
-        const uint32_t number = packet->triangle[mlrt_lowest_bit(hit)];
+        const uint32_t number = packet->nearest.triangle[mlrt_lowest_bit(hit)];
         const double direction_size = greatest_direction_size(packet, hit);
         const uint32_t reported = hit & ~lanes_of_triangle(packet, number)
                                       ? report_several(tree, packet, hit, direction_size, outputs, cache, values)

@@ -22,8 +22,8 @@ struct outcome {
  */
 MLRT_INLINE vm concerned_rays(const struct mlrt_packet *packet, uint32_t lanes, uint32_t number, int v)
 {
-    const vm rays = m_andnot(m_from_bits(lanes >> v), i_eq(i_load(packet->triangle + v), i_set1(number)));
-    return packet->has_skip ? m_andnot(rays, i_eq(i_load(packet->skip + v), i_set1(number))) : rays;
+    const vm rays = m_andnot(m_from_bits(lanes >> v), i_eq(i_load(packet->nearest.triangle + v), i_set1(number)));
+    return packet->has.skip ? m_andnot(rays, i_eq(i_load(packet->skip + v), i_set1(number))) : rays;
 }
 
 /*
@@ -34,9 +34,10 @@ MLRT_INLINE void keep_verdict(const struct verdict *verdict, uint32_t number, in
 {
     const uint32_t nearer = m_bits(verdict->nearer);
     if (nearer) {
-        v_store(packet->lo + v, v_select(verdict->nearer, verdict->lo, v_load(packet->lo + v)));
-        v_store(packet->hi + v, v_select(verdict->nearer, verdict->hi, v_load(packet->hi + v)));
-        i_store(packet->triangle + v, i_select(verdict->nearer, i_set1(number), i_load(packet->triangle + v)));
+        v_store(packet->nearest.lo + v, v_select(verdict->nearer, verdict->lo, v_load(packet->nearest.lo + v)));
+        v_store(packet->nearest.hi + v, v_select(verdict->nearer, verdict->hi, v_load(packet->nearest.hi + v)));
+        i_store(packet->nearest.triangle + v,
+                i_select(verdict->nearer, i_set1(number), i_load(packet->nearest.triangle + v)));
         outcome->nearer |= nearer << v;
     }
     outcome->undecided |= m_bits(verdict->undecided) << v;
@@ -48,7 +49,7 @@ MLRT_INLINE uint32_t lanes_of_triangle(const struct mlrt_packet *packet, uint32_
 {
     uint32_t lanes = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        lanes |= m_bits(i_eq(i_load(packet->triangle + v), i_set1(number))) << v;
+        lanes |= m_bits(i_eq(i_load(packet->nearest.triangle + v), i_set1(number))) << v;
     }
     return lanes;
 }

@@ -103,7 +103,7 @@ static int get_seen_points(const struct mlrt_tree *tree, const struct mlrt_packe
     const int are_few = hits_few_triangles(seen, hit);
     if (!are_few) mlrt_gather_corners(tree, seen, hit, points->corners);
     for (uint32_t left = are_few ? hit : 0; left; left &= ~same) {
-        const uint32_t number = seen->triangle[mlrt_lowest_bit(left)];
+        const uint32_t number = seen->nearest.triangle[mlrt_lowest_bit(left)];
         const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
         same = lanes_of_triangle(seen, number);
         const uint32_t among = left == hit ? 0xFFFF : same; /* the first triangle is stored in all lanes */
@@ -116,10 +116,10 @@ static int get_seen_points(const struct mlrt_tree *tree, const struct mlrt_packe
     }
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         for (int k = 0; k < 3; ++k) {
-            v_store(points->origin[k] + v, seen->has_apex ? v_set1(seen->apex[k]) : v_load(seen->origin[k] + v));
+            v_store(points->origin[k] + v, seen->has.apex ? v_set1(seen->apex[k]) : v_load(seen->origin[k] + v));
         }
     }
-    return !(hit & ~same) && seen->has_apex;
+    return !(hit & ~same) && seen->has.apex;
 }
 
 /*
@@ -151,13 +151,13 @@ static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, con
         for (int k = 0; k < 3; ++k) v_store(others[k] + v, v_set1(light->light[k]));
         v_store(packet->t_min + v, v_set1(0));
         v_store(packet->t_max + v, v_set1(is_point ? 1 : INFINITY));
-        i_store(packet->skip + v, i_load(seen->triangle + v));
+        i_store(packet->skip + v, i_load(seen->nearest.triangle + v));
     }
     memcpy(packet->apex, light->light, sizeof packet->apex);
-    packet->has_apex = is_point;
-    packet->has_limits = packet->has_masks = packet->has_skip = 0;
+    packet->has.apex = is_point;
+    packet->has.limits = packet->has.masks = packet->has.skip = 0;
     check_block(light, hit & facing, packet);
-    packet->has_skip = 1;
+    packet->has.skip = 1;
     return hit & ~facing;
 }
 

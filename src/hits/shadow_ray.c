@@ -107,7 +107,7 @@ uint32_t mlrt_make_shadow_lane(const struct mlrt_job *job, const struct mlrt_pac
     struct mlrt_ray_segment ray, shadow;
     int faces;
     mlrt_get_segment(seen, lane, &ray);
-    const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, seen->triangle[lane]);
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, seen->nearest.triangle[lane]);
     const int is_ray = mlrt_make_shadow_ray(&job->source, &triangle, &ray, &faces, &shadow);
     for (int k = 0; k < 3; ++k) ends[k][lane] = !is_ray ? 0 : is_point ? shadow.direction[k] : shadow.origin[k];
     return (uint32_t)faces << lane;
@@ -131,10 +131,11 @@ void mlrt_find_shadows(const struct mlrt_job *job, const struct mlrt_packet *pac
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         struct mlrt_ray_segment ray;
         shadows[lane] = 0;
-        if (!(lanes >> lane & 1) || packet->triangle[lane] == MLRT_NONE) continue;
+        if (!(lanes >> lane & 1) || packet->nearest.triangle[lane] == MLRT_NONE) continue;
         mlrt_get_segment(packet, lane, &ray);
         for (uint32_t i = 0; i < job->light_count; ++i) {
-            shadows[lane] |= (uint8_t)(mlrt_is_shaded(&job->lights[i], &ray, packet->triangle[lane], counters) << i);
+            shadows[lane] |=
+                (uint8_t)(mlrt_is_shaded(&job->lights[i], &ray, packet->nearest.triangle[lane], counters) << i);
         }
     }
 }

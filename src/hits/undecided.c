@@ -62,8 +62,8 @@ static uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint3
 {
     uint32_t settled = 0;
     while (lanes) {
-        const uint32_t nearest = packet->triangle[mlrt_lowest_bit(lanes)];
-        const uint32_t same = lanes & mlrt_same_words(packet->triangle, nearest);
+        const uint32_t nearest = packet->nearest.triangle[mlrt_lowest_bit(lanes)];
+        const uint32_t same = lanes & mlrt_same_words(packet->nearest.triangle, nearest);
         lanes &= ~same;
         if (nearest == MLRT_NONE || (number < nearest && !(same & inside))) continue;
         if (!mlrt_have_one_plane(tree, number, nearest, worker)) continue;
@@ -82,11 +82,12 @@ static uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint3
         struct mlrt_ray_segment ray;
         if (mlrt_is_stopped_in_step(worker)) break;
         mlrt_get_segment(packet, lane, &ray);
-        struct mlrt_nearest nearest = {packet->triangle[lane], packet->lo[lane], packet->hi[lane]};
+        struct mlrt_nearest nearest = {packet->nearest.triangle[lane], packet->nearest.lo[lane],
+                                       packet->nearest.hi[lane]};
         if (!mlrt_offer_triangle(&tree->by_number, &ray, number, &nearest, counters)) continue;
-        packet->triangle[lane] = nearest.triangle;
-        packet->lo[lane] = nearest.lo;
-        packet->hi[lane] = nearest.hi;
+        packet->nearest.triangle[lane] = nearest.triangle;
+        packet->nearest.lo[lane] = nearest.lo;
+        packet->nearest.hi[lane] = nearest.hi;
         hit |= 1u << lane;
     }
     return hit;
@@ -112,7 +113,7 @@ int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, u
     uint32_t hit = 0;
     mlrt_get_segment(packet, lane, &ray);
     for (; undecided; undecided &= undecided - 1) {
-        const uint32_t i = mlrt_lowest_bit(undecided), number = numbers[i], nearest = packet->triangle[lane];
+        const uint32_t i = mlrt_lowest_bit(undecided), number = numbers[i], nearest = packet->nearest.triangle[lane];
         const uint32_t known_inside = (inside >> i & 1) << lane;
         if (mlrt_is_stopped_in_step(worker)) break;
         if (nearest != MLRT_NONE && mlrt_known_plane_of(worker, number) == mlrt_known_plane_of(worker, nearest) &&
@@ -125,14 +126,14 @@ int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, u
         if (nearest != MLRT_NONE) other = mlrt_triangle_at(&job->tree->by_number, nearest);
         const int nearer =
             mlrt_offer_in_double(&ray, &triangle, known_inside != 0, nearest == MLRT_NONE ? NULL : &other,
-                                 &packet->lo[lane], &packet->hi[lane]);
+                                 &packet->nearest.lo[lane], &packet->nearest.hi[lane]);
         if (nearer >= 0) {
             if (counters) {
                 ++counters->undecided_test_count;
                 ++counters->judged_lane_count;
             }
             if (!nearer) continue;
-            packet->triangle[lane] = number;
+            packet->nearest.triangle[lane] = number;
             hit = 1;
             if (job->any) break;
             continue;

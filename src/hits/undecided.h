@@ -63,7 +63,7 @@ static inline uint32_t mlrt_settle_tie(uint32_t number, uint32_t nearest, uint32
 {
     if (number > nearest) return lanes;
     lanes &= inside;
-    for (uint32_t left = lanes; left; left &= left - 1) packet->triangle[mlrt_lowest_bit(left)] = number;
+    for (uint32_t left = lanes; left; left &= left - 1) packet->nearest.triangle[mlrt_lowest_bit(left)] = number;
     return lanes;
 }
 

@@ -24,7 +24,7 @@ MLRT_INLINE uint32_t find_ids_in_mesh(const struct mlrt_tree *tree, uint32_t mes
     const vi count = i_set1(tree->meshes.first[mesh + 1] - tree->meshes.first[mesh]);
     uint32_t found = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vi place = i_sub(i_load(packet->triangle + v), first);
+        const vi place = i_sub(i_load(packet->nearest.triangle + v), first);
         const vm hit = i_lt(place, count);
         i_store(values->mesh + v, i_select(hit, id, is_first ? none : i_load(values->mesh + v)));
         i_store(values->triangle + v, i_select(hit, place, is_first ? none : i_load(values->triangle + v)));
@@ -41,7 +41,7 @@ MLRT_INLINE void find_packet_ids(const struct mlrt_tree *tree, const struct mlrt
 {
     uint32_t left = hit & ~find_ids_in_mesh(tree, *last_mesh, packet, 1, values);
     while (MLRT_UNLIKELY(left)) {
-        *last_mesh = mlrt_mesh_of_triangle(tree, packet->triangle[mlrt_lowest_bit(left)]);
+        *last_mesh = mlrt_mesh_of_triangle(tree, packet->nearest.triangle[mlrt_lowest_bit(left)]);
         left &= ~find_ids_in_mesh(tree, *last_mesh, packet, 0, values);
     }
 }
@@ -68,8 +68,8 @@ static MLRT_NOINLINE void write_to_sink(const struct mlrt_job *job, struct mlrt_
 static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
                          uint32_t lanes, const struct mlrt_rectangle *block)
 {
-    for (uint32_t i = 0; i < worker->sink_count; ++i) {
-        write_to_sink(job, worker, packet, lanes, block, worker->sinks[i]);
+    for (uint32_t i = 0; i < worker->sinks.count; ++i) {
+        write_to_sink(job, worker, packet, lanes, block, worker->sinks.each[i]);
     }
 }
 

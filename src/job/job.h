@@ -29,6 +29,13 @@ struct mlrt_multilevel {
     uint32_t split_divisor; /* pieces per side: the root of the split factor */
 };
 
+/* The caller's function that gets the results of tiles. */
+struct mlrt_callback {
+    mlrt_tile_callback function; /* NULL = none */
+    void *user;
+    uint32_t outputs; /* what it gets */
+};
+
 /* One call of the interface, as all workers see it. */
 struct mlrt_job {
     const struct mlrt_tree *tree;
@@ -41,9 +48,7 @@ struct mlrt_job {
     uint32_t initial_tile_size;
     struct mlrt_multilevel multilevel;
     struct mlrt_sink frame; /* the caller's arrays; empty if there are none */
-    uint32_t outputs;       /* of the callback */
-    mlrt_tile_callback callback;
-    void *user;
+    struct mlrt_callback callback;
 };
 
 /*
@@ -103,6 +108,13 @@ static inline int mlrt_is_block(const struct mlrt_job *job)
     return job->source.kind != MLRT_SOURCE_CAMERA && job->source.count <= MLRT_PACKET_RAYS;
 }
 
+/* Where a worker writes results. */
+struct mlrt_worker_sinks {
+    struct mlrt_sink tile;           /* the callback's arrays, over the current tile; empty without a callback */
+    const struct mlrt_sink *each[2]; /* of frame and tile, those that are not empty */
+    uint32_t count;
+};
+
 /* The state of one worker, in cache lines of its own. */
 struct mlrt_worker {
     MLRT_ALIGNED(64) mlrt_counters counters;
@@ -110,9 +122,7 @@ struct mlrt_worker {
     /* What the kernels of the tree's structure keep (trace/bundle.h, mlrta/setups.h); the other is not set. */
     struct mlrt_bundles *bundles;
     struct mlrt_setups *setups;
-    struct mlrt_sink tile;            /* the callback's arrays, over the current tile; empty without a callback */
-    const struct mlrt_sink *sinks[2]; /* of frame and tile, those that are not empty */
-    uint32_t sink_count;
+    struct mlrt_worker_sinks sinks;
     uint32_t mask; /* of all rays; MLRT_MASK_ALL if each has its own, or triangles have none */
     struct mlrt_hit_term_cache hit_terms;
     uint32_t mesh; /* position of the mesh that was hit last */

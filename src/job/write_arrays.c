@@ -151,20 +151,20 @@ void mlrt_write_hits(const mlrt_hit *hits, uint32_t count, const struct mlrt_sin
 void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_ray_segment *ray)
 {
     for (int k = 0; k < 3; ++k) {
-        ray->origin[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][lane];
+        ray->origin[k] = packet->has.apex ? packet->apex[k] : packet->origin[k][lane];
         ray->direction[k] = packet->direction[k][lane];
     }
     ray->t_min = packet->t_min[lane];
     ray->t_max = packet->t_max[lane];
-    ray->mask = packet->has_masks ? packet->mask[lane] : MLRT_MASK_ALL;
+    ray->mask = packet->has.masks ? packet->mask[lane] : MLRT_MASK_ALL;
 }
 
 void mlrt_gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                          float corners[9][MLRT_PACKET_RAYS])
 {
-    const uint32_t standard = packet->triangle[mlrt_lowest_bit(hit)];
+    const uint32_t standard = packet->nearest.triangle[mlrt_lowest_bit(hit)];
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const uint32_t number = hit >> lane & 1 ? packet->triangle[lane] : standard;
+        const uint32_t number = hit >> lane & 1 ? packet->nearest.triangle[lane] : standard;
         const struct mlrt_corners from = mlrt_corners_of(&tree->by_number, number);
         const float scale = from.in_units ? tree->by_number.inverse_unit : 1;
         for (uint32_t i = 0; i < 9; ++i) corners[i][lane] = from.corner[i * from.row] * scale;
@@ -177,7 +177,7 @@ void mlrt_report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *pa
     struct mlrt_ray_segment ray;
     struct mlrt_hit_report report = {0, 0, 0, 0};
     mlrt_get_segment(packet, lane, &ray);
-    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, packet->triangle[lane]);
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, packet->nearest.triangle[lane]);
     mlrt_report_hit(&ray, &triangle, outputs, &report);
     values->t[lane] = report.t;
     values->uv[0][lane] = report.u;

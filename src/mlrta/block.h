@@ -17,7 +17,7 @@
 MLRT_INLINE void trace_active(const struct mlrt_job *job, const struct entry_list *list, struct mlrt_packet *packet,
                               struct mlrt_worker *worker)
 {
-    if (packet->has_apex && memcmp(packet->apex, worker->setups->apex, sizeof packet->apex) != 0) {
+    if (packet->has.apex && memcmp(packet->apex, worker->setups->apex, sizeof packet->apex) != 0) {
         forget_setups(packet->apex, worker);
     }
     if (VW <= 4 && job->method == MLRT_METHOD_PACKET2) { /* run/dispatch.c: wider kernels never get this method */

@@ -132,6 +132,14 @@ struct array {
     size_t capacity;
 };
 
+/* The parts that a build is cut into. */
+struct parts {
+    struct array all; /* struct part */
+    uint32_t count;
+    uint32_t first; /* the first that the workers take in this round */
+    size_t size;    /* cells of more references than this are cut into parts */
+};
+
 /* What the workers of a call share. Only one at a time allocates or frees. */
 struct build {
     struct mlrt_memory *memory;
@@ -142,10 +150,7 @@ struct build {
     float tiny; /* as in mlrt_clip_halves */
     struct mlrt_progress *progress;
     struct array scratch; /* struct array of double: one for each worker, to look for planes and to sort */
-    struct array parts;   /* struct part */
-    uint32_t part_count;
-    uint32_t first_part; /* the first that the workers take in this round */
-    size_t part_size;    /* cells of more references than this are cut into parts */
+    struct parts parts;
 };
 
 /* Changes the number of elements of `size` bytes and keeps the contents. Returns 0 if there is no memory. */
@@ -191,13 +196,8 @@ struct cell {
     double work;              /* its share of the progress of the build */
 };
 
-/* A subtree. All 0 = not used. */
-struct part {
-    struct build *build;
-    struct array *scratch;   /* of the worker that works on it */
-    struct cell cell;        /* of its root */
-    uint32_t lower;          /* number of the part that has its lower side; the upper side has the next; 0 = not cut */
-    struct mlrt_split split; /* if it is cut; else these: */
+/* A subtree that one worker builds. */
+struct subtree {
     struct array
         references;       /* struct mlrt_reference: those of the siblings that wait, then those of the current cell */
     struct array nodes;   /* struct mlrt_node */
@@ -209,24 +209,34 @@ struct part {
     double cost;
 };
 
+/* A part of the tree: a cell that is cut in two, or a subtree. All 0 = not used. */
+struct part {
+    struct build *build;
+    struct array *scratch;   /* of the worker that works on it */
+    struct cell cell;        /* of its root */
+    uint32_t lower;          /* number of the part that has its lower side; the upper side has the next; 0 = not cut */
+    struct mlrt_split split; /* if it is cut */
+    struct subtree built;    /* if it is not */
+};
+
 static struct part *part_at(const struct build *build, uint32_t number)
 {
-    return (struct part *)build->parts.elements + number;
+    return (struct part *)build->parts.all.elements + number;
 }
 
 static struct mlrt_reference *reference_at(const struct part *part, size_t index)
 {
-    return (struct mlrt_reference *)part->references.elements + index;
+    return (struct mlrt_reference *)part->built.references.elements + index;
 }
 
 static struct mlrt_node *node_at(const struct part *part, uint32_t index)
 {
-    return (struct mlrt_node *)part->nodes.elements + index;
+    return (struct mlrt_node *)part->built.nodes.elements + index;
 }
 
 static uint32_t *entry_at(const struct part *part, uint32_t index)
 {
-    return (uint32_t *)part->entries.elements + index;
+    return (uint32_t *)part->built.entries.elements + index;
 }
 
 static int rule_is_on(const struct build *build, uint32_t rule)
@@ -253,11 +263,11 @@ static double leaf_cost(const struct build *build, size_t count)
 /* Makes a leaf of the part's last entries, those from `offset` on. Returns 0 if there is no memory. */
 static int set_leaf(struct part *part, uint32_t node, uint32_t offset, double *cost)
 {
-    uint32_t count = part->entry_count - offset;
+    uint32_t count = part->built.entry_count - offset;
     void *spare = get_scratch(part, count);
     if (spare == NULL) return 0;
     count = (uint32_t)mlrt_sort_unique_keys(entry_at(part, offset), spare, count);
-    part->entry_count = offset + count;
+    part->built.entry_count = offset + count;
     node_at(part, node)->u.offset = offset;
     node_at(part, node)->word = count << 2 | 3;
     *cost = leaf_cost(part->build, count);
@@ -267,10 +277,10 @@ static int set_leaf(struct part *part, uint32_t node, uint32_t offset, double *c
 /* Makes the cell a leaf. Returns 0 if there is no memory, or the call is cancelled. */
 static int emit_leaf(struct part *part, const struct cell *cell, double *cost)
 {
-    const uint32_t offset = part->entry_count, count = (uint32_t)cell->count;
-    if (!reserve(part->build, &part->entries, (size_t)offset + count, sizeof(uint32_t))) return 0;
+    const uint32_t offset = part->built.entry_count, count = (uint32_t)cell->count;
+    if (!reserve(part->build, &part->built.entries, (size_t)offset + count, sizeof(uint32_t))) return 0;
     for (uint32_t i = 0; i < count; i++) *entry_at(part, offset + i) = reference_at(part, cell->first + i)->triangle;
-    part->entry_count += count;
+    part->built.entry_count += count;
     return set_leaf(part, cell->node, offset, cost) && !mlrt_advance(part->build->progress, cell->work);
 }
 
@@ -334,7 +344,7 @@ static enum choice choose_split(const struct part *part, struct cell *cell, stru
     const struct build *build = part->build;
     const double area = mlrt_half_area(&cell->box);
     if (cell->count == 0 || cell->depth >= build->settings.depth_limit || area <= 0 ||
-        part->node_count >= part->node_limit)
+        part->built.node_count >= part->built.node_limit)
         return CHOICE_LEAF;
     if (rule_is_on(build, MLRT_RULE_MINIMUM_CELL) && area < build->settings.preset.minimum_cell * build->scene_area)
         return CHOICE_LEAF;
@@ -461,7 +471,7 @@ static enum choice cut(struct part *part, struct cell *cell, struct mlrt_split *
     const size_t both = count_sides(part, cell, split).both;
     if (is_cancelled_at(part, cell)) return CHOICE_FAILED;
     if (both > cell->reference_limit - cell->count) return CHOICE_LEAF;
-    if (!reserve(part->build, &part->references, cell->first + cell->count + both, sizeof(struct mlrt_reference)))
+    if (!reserve(part->build, &part->built.references, cell->first + cell->count + both, sizeof(struct mlrt_reference)))
         return CHOICE_FAILED;
     deal_out(part, cell, split, sides);
     return is_cancelled_at(part, cell) ? CHOICE_FAILED : CHOICE_SPLIT;
@@ -472,9 +482,10 @@ static enum choice cut(struct part *part, struct cell *cell, struct mlrt_split *
 /* Adds the children of a node, and sets *first_child to the lower one. Returns 0 if there is no memory. */
 static int add_children(struct part *part, uint32_t node, const struct mlrt_split *split, uint32_t *first_child)
 {
-    if (!reserve(part->build, &part->nodes, (size_t)part->node_count + 2, sizeof(struct mlrt_node))) return 0;
-    *first_child = part->node_count;
-    part->node_count += 2;
+    if (!reserve(part->build, &part->built.nodes, (size_t)part->built.node_count + 2, sizeof(struct mlrt_node)))
+        return 0;
+    *first_child = part->built.node_count;
+    part->built.node_count += 2;
     node_at(part, node)->u.split = split->position;
     node_at(part, node)->word = *first_child << 2 | split->axis;
     return 1;
@@ -492,8 +503,8 @@ static int close_cell(struct part *part, const struct cell *cell, const struct c
     const double tests = mlrt_half_area(&below->box) * costs[0] + mlrt_half_area(&above->box) * costs[1];
     *cost = build->settings.preset.model.traversal + tests / mlrt_half_area(&cell->box);
     if (!rule_is_on(build, MLRT_RULE_RETRACTION) || *cost < leaf_cost(build, cell->count)) return 1;
-    part->node_count = below->node;
-    part->retracted_count++;
+    part->built.node_count = below->node;
+    part->built.retracted_count++;
     return set_leaf(part, cell->node, offset, cost);
 }
 
@@ -506,7 +517,7 @@ static int build_cell(struct part *part, struct cell *cell, double *cost)
     struct mlrt_split split;
     struct cell sides[2];
     double costs[2];
-    const uint32_t offset = part->entry_count;
+    const uint32_t offset = part->built.entry_count;
     const enum choice choice = cut(part, cell, &split, sides);
     if (choice == CHOICE_FAILED) return 0;
     if (choice == CHOICE_LEAF) return emit_leaf(part, cell, cost);
@@ -523,12 +534,12 @@ static int build_cell(struct part *part, struct cell *cell, double *cost)
 static int build_part(struct part *part)
 {
     struct build *build = part->build;
-    part->node_count = 1;
-    if (!reserve(build, &part->nodes, part->cell.count / 2 + 1, sizeof(struct mlrt_node)) ||
-        !reserve(build, &part->entries, part->cell.count + 1, sizeof(uint32_t)) ||
-        !build_cell(part, &part->cell, &part->cost))
+    part->built.node_count = 1;
+    if (!reserve(build, &part->built.nodes, part->cell.count / 2 + 1, sizeof(struct mlrt_node)) ||
+        !reserve(build, &part->built.entries, part->cell.count + 1, sizeof(uint32_t)) ||
+        !build_cell(part, &part->cell, &part->built.cost))
         return 0;
-    release(build, &part->references, sizeof(struct mlrt_reference));
+    release(build, &part->built.references, sizeof(struct mlrt_reference));
     return 1;
 }
 
@@ -551,23 +562,23 @@ static int cut_part(struct part *part)
     lower->cell = sides[0];
     upper->cell = sides[1];
     lower->cell.first = 0;
-    upper->references = part->references;
-    part->references = (struct array){NULL, 0};
-    if (!reserve(build, &lower->references, sides[0].count, sizeof(struct mlrt_reference))) return 0;
+    upper->built.references = part->built.references;
+    part->built.references = (struct array){NULL, 0};
+    if (!reserve(build, &lower->built.references, sides[0].count, sizeof(struct mlrt_reference))) return 0;
     if (sides[0].count > 0)
-        memcpy(lower->references.elements, reference_at(upper, sides[0].first),
+        memcpy(lower->built.references.elements, reference_at(upper, sides[0].first),
                sides[0].count * sizeof(struct mlrt_reference));
-    return resize(build, &upper->references, sides[1].count, sizeof(struct mlrt_reference));
+    return resize(build, &upper->built.references, sides[1].count, sizeof(struct mlrt_reference));
 }
 
 static int32_t run_part(void *work, uint32_t item, uint32_t worker)
 {
     struct build *build = work;
-    struct part *part = part_at(build, build->first_part + item);
+    struct part *part = part_at(build, build->parts.first + item);
     if (part->build == NULL) return 0;
     const uint64_t environment = mlrt_enter_fp_environment();
     const double share = (double)part->cell.reference_limit / (double)part_at(build, 0)->cell.reference_limit;
-    part->node_limit = (uint32_t)(PART_NODE_LIMIT * share);
+    part->built.node_limit = (uint32_t)(PART_NODE_LIMIT * share);
     part->scratch = (struct array *)build->scratch.elements + worker;
     const int done = part->lower != 0 ? cut_part(part) : build_part(part);
     mlrt_leave_fp_environment(environment);
@@ -580,17 +591,17 @@ static int32_t run_part(void *work, uint32_t item, uint32_t worker)
  */
 static int build_parts(struct build *build)
 {
-    while (build->first_part < build->part_count) {
-        const uint32_t end = build->part_count, count = end - build->first_part;
-        if (!reserve(build, &build->parts, (size_t)end + 2 * (size_t)count, sizeof(struct part))) return 0;
+    while (build->parts.first < build->parts.count) {
+        const uint32_t end = build->parts.count, count = end - build->parts.first;
+        if (!reserve(build, &build->parts.all, (size_t)end + 2 * (size_t)count, sizeof(struct part))) return 0;
         memset(part_at(build, end), 0, 2 * (size_t)count * sizeof(struct part));
-        for (uint32_t i = build->first_part; i < end; i++) {
-            if (part_at(build, i)->cell.count <= build->part_size) continue;
-            part_at(build, i)->lower = build->part_count;
-            build->part_count += 2;
+        for (uint32_t i = build->parts.first; i < end; i++) {
+            if (part_at(build, i)->cell.count <= build->parts.size) continue;
+            part_at(build, i)->lower = build->parts.count;
+            build->parts.count += 2;
         }
         if (mlrt_run_items(build->settings.pool, count, run_part, build) != 0) return 0;
-        build->first_part = end;
+        build->parts.first = end;
     }
     return 1;
 }
@@ -599,9 +610,9 @@ static int build_parts(struct build *build)
 
 static void release_part(struct build *build, struct part *part)
 {
-    release(build, &part->references, sizeof(struct mlrt_reference));
-    release(build, &part->nodes, sizeof(struct mlrt_node));
-    release(build, &part->entries, sizeof(uint32_t));
+    release(build, &part->built.references, sizeof(struct mlrt_reference));
+    release(build, &part->built.nodes, sizeof(struct mlrt_node));
+    release(build, &part->built.entries, sizeof(uint32_t));
 }
 
 /*
@@ -609,23 +620,25 @@ static void release_part(struct build *build, struct part *part)
  */
 static int append_part(struct part *whole, struct part *part)
 {
-    const uint32_t shift = whole->node_count - 1; /* node 1 of the part is the next of the whole tree */
-    if (!reserve(whole->build, &whole->nodes, (size_t)shift + part->node_count, sizeof(struct mlrt_node)) ||
-        !reserve(whole->build, &whole->entries, (size_t)whole->entry_count + part->entry_count, sizeof(uint32_t)))
+    const uint32_t shift = whole->built.node_count - 1; /* node 1 of the part is the next of the whole tree */
+    if (!reserve(whole->build, &whole->built.nodes, (size_t)shift + part->built.node_count, sizeof(struct mlrt_node)) ||
+        !reserve(whole->build, &whole->built.entries, (size_t)whole->built.entry_count + part->built.entry_count,
+                 sizeof(uint32_t)))
         return 0;
-    for (uint32_t i = 0; i < part->node_count; i++) {
+    for (uint32_t i = 0; i < part->built.node_count; i++) {
         struct mlrt_node node = *node_at(part, i);
         if (mlrt_node_is_leaf(&node))
-            node.u.offset += whole->entry_count;
+            node.u.offset += whole->built.entry_count;
         else
             node.word += shift << 2;
         *node_at(whole, i == 0 ? part->cell.node : shift + i) = node;
     }
-    if (part->entry_count > 0)
-        memcpy(entry_at(whole, whole->entry_count), entry_at(part, 0), part->entry_count * sizeof(uint32_t));
-    whole->node_count += part->node_count - 1;
-    whole->entry_count += part->entry_count;
-    whole->retracted_count += part->retracted_count;
+    if (part->built.entry_count > 0)
+        memcpy(entry_at(whole, whole->built.entry_count), entry_at(part, 0),
+               part->built.entry_count * sizeof(uint32_t));
+    whole->built.node_count += part->built.node_count - 1;
+    whole->built.entry_count += part->built.entry_count;
+    whole->built.retracted_count += part->built.retracted_count;
     release_part(whole->build, part);
     return 1;
 }
@@ -635,12 +648,12 @@ static int join_parts(struct part *whole, struct part *part)
 {
     if (part->lower == 0) return part == whole || append_part(whole, part);
     struct part *lower = part_at(part->build, part->lower), *upper = lower + 1;
-    const uint32_t offset = whole->entry_count;
+    const uint32_t offset = whole->built.entry_count;
     if (!add_children(whole, part->cell.node, &part->split, &lower->cell.node)) return 0;
     upper->cell.node = lower->cell.node + 1;
     if (!join_parts(whole, lower) || !join_parts(whole, upper)) return 0;
-    const double costs[2] = {lower->cost, upper->cost};
-    return close_cell(whole, &part->cell, &lower->cell, &upper->cell, costs, offset, &part->cost);
+    const double costs[2] = {lower->built.cost, upper->built.cost};
+    return close_cell(whole, &part->cell, &lower->cell, &upper->cell, costs, offset, &part->built.cost);
 }
 
 /* Adding 0 turns -0 into 0. */
@@ -705,13 +718,13 @@ static int make_root(struct build *build, struct mlrt_tree *tree)
     const uint32_t worker_count = mlrt_worker_count(build->settings.pool);
     if (!resize(build, &build->scratch, worker_count, sizeof(struct array))) return 0;
     memset(build->scratch.elements, 0, worker_count * sizeof(struct array));
-    if (!resize(build, &build->parts, 1, sizeof(struct part))) return 0;
+    if (!resize(build, &build->parts.all, 1, sizeof(struct part))) return 0;
     struct part *root = part_at(build, 0);
     memset(root, 0, sizeof *root);
     root->build = build;
-    build->part_count = 1;
+    build->parts.count = 1;
     struct cell *cell = &root->cell;
-    if (!reserve(build, &root->references, tree->triangle_count, sizeof(struct mlrt_reference))) return 0;
+    if (!reserve(build, &root->built.references, tree->triangle_count, sizeof(struct mlrt_reference))) return 0;
     cell->count = make_references(root, tree);
     cell->work = MLRT_KDTREE_WORK * tree->triangle_count;
     cell->reference_limit = build->settings.reference_limit;
@@ -730,31 +743,32 @@ static int join_all(struct build *build)
     struct part *whole = part_at(build, 0);
     whole->scratch = build->scratch.elements;
     if (whole->lower != 0) {
-        whole->node_count = 1;
-        if (!reserve(build, &whole->nodes, 1, sizeof(struct mlrt_node))) return 0;
+        whole->built.node_count = 1;
+        if (!reserve(build, &whole->built.nodes, 1, sizeof(struct mlrt_node))) return 0;
     }
-    return join_parts(whole, whole) && resize(build, &whole->nodes, whole->node_count, sizeof(struct mlrt_node)) &&
-           resize(build, &whole->entries, whole->entry_count, sizeof(uint32_t));
+    return join_parts(whole, whole) &&
+           resize(build, &whole->built.nodes, whole->built.node_count, sizeof(struct mlrt_node)) &&
+           resize(build, &whole->built.entries, whole->built.entry_count, sizeof(uint32_t));
 }
 
 static void release_all(struct build *build)
 {
-    for (uint32_t i = 0; i < build->part_count; i++) release_part(build, part_at(build, i));
+    for (uint32_t i = 0; i < build->parts.count; i++) release_part(build, part_at(build, i));
     for (size_t i = 0; i < build->scratch.capacity; i++)
         release(build, (struct array *)build->scratch.elements + i, sizeof(double));
-    release(build, &build->parts, sizeof(struct part));
+    release(build, &build->parts.all, sizeof(struct part));
     release(build, &build->scratch, sizeof(struct array));
 }
 
 /* Hands the arrays of the whole tree over to `tree`. */
 static void take_result(struct part *whole, struct mlrt_tree *tree)
 {
-    tree->kdtree.nodes = whole->nodes.elements;
-    tree->kdtree.node_count = whole->node_count;
-    tree->kdtree.references = whole->entries.elements;
-    tree->kdtree.reference_count = whole->entry_count;
-    tree->info.retracted_count = whole->retracted_count;
-    whole->nodes = whole->entries = (struct array){NULL, 0};
+    tree->kdtree.nodes = whole->built.nodes.elements;
+    tree->kdtree.node_count = whole->built.node_count;
+    tree->kdtree.references = whole->built.entries.elements;
+    tree->kdtree.reference_count = whole->built.entry_count;
+    tree->info.retracted_count = whole->built.retracted_count;
+    whole->built.nodes = whole->built.entries = (struct array){NULL, 0};
 }
 
 int32_t mlrt_build_nodes(struct mlrt_tree *tree, const void *options, struct mlrt_progress *progress)
@@ -765,7 +779,7 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const void *options, struct mlr
     build.triangles = tree->triangles;
     build.progress = progress;
     build.settings = resolve_options(options, tree->triangle_count);
-    build.part_size = tree->triangle_count / PART_SHARE > PART_SIZE ? tree->triangle_count / PART_SHARE : PART_SIZE;
+    build.parts.size = tree->triangle_count / PART_SHARE > PART_SIZE ? tree->triangle_count / PART_SHARE : PART_SIZE;
     tree->kdtree.nodes = NULL;
     tree->kdtree.references = NULL;
     tree->info.non_finite_count = 0;

@@ -114,7 +114,7 @@ static void visit_leaf(const struct mlrt_job *job, const struct mlrt_node *leaf,
     }
     if (!changed) return;
     if (job->any) group->lanes &= ~changed;
-    *farthest = highest(packet->hi, group->lanes); /* -inf if no lane is left, which ends the search */
+    *farthest = highest(packet->nearest.hi, group->lanes); /* -inf if no lane is left, which ends the search */
 }
 
 /* Where a group is: at a node, at distances within `part`, with cells that wait on the stack. */

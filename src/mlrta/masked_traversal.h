@@ -59,7 +59,7 @@ MLRT_INLINE void set_ray_axis(const struct mlrt_packet *packet, int first_lane, 
     for (int i = 0; i < PACKET2_VECTORS; ++i) {
         const int v = first_lane + i * VW;
         const vf reciprocal = v_div(v_set1(1), v_load(packet->direction[k] + v));
-        axis->origin[i] = packet->has_apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
+        axis->origin[i] = packet->has.apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
         axis->small[i] = v_mul(reciprocal, v_set1(1 - RECIPROCAL_SLACK));
         axis->large[i] = v_mul(reciprocal, v_set1(1 + RECIPROCAL_SLACK));
     }
@@ -74,7 +74,7 @@ MLRT_INLINE uint32_t enter_box(const struct mlrt_packet *packet, const struct ra
     for (int i = 0; i < PACKET2_VECTORS; ++i) {
         const int v = first_lane + i * VW;
         part->lo[i] = v_load(packet->t_min + v);
-        part->hi[i] = v_load(packet->hi + v);
+        part->hi[i] = v_load(packet->nearest.hi + v);
         for (int k = 0; k < 3; ++k) {
             const float near = negative[k] ? box->hi[k] : box->lo[k], far = negative[k] ? box->lo[k] : box->hi[k];
             part->lo[i] = v_max(lane_plane_distances(&axis[k], i, near).lo, part->lo[i]);
@@ -91,7 +91,7 @@ MLRT_INLINE uint32_t cut_to_hits(const struct mlrt_packet *packet, int first_lan
     uint32_t before = 0;
     for (int i = 0; i < PACKET2_VECTORS; ++i) {
         const int v = first_lane + i * VW;
-        const vf nearest = v_load(packet->hi + v);
+        const vf nearest = v_load(packet->nearest.hi + v);
         before |= (~m_bits(v_gt(part->lo[i], nearest)) & ALL_LANES) << v;
         part->hi[i] = v_min(nearest, part->hi[i]);
     }
@@ -106,7 +106,7 @@ MLRT_INLINE uint32_t test_masked(const struct mlrt_job *job, uint32_t number, st
                                  struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     struct mlrt_triangle_setup *setup = &worker->setups->entries[0];
-    if (packet->has_apex) {
+    if (packet->has.apex) {
         if (setup->number != number || setup->main_axis != group->axis_code || !setup->has_terms) {
             setup->number = number;
             setup->main_axis = group->axis_code;
@@ -115,7 +115,7 @@ MLRT_INLINE uint32_t test_masked(const struct mlrt_job *job, uint32_t number, st
         if (setup->in_plane) return 0;
     }
     COUNT(&worker->counters, triangle_test_count, 1);
-    return packet->has_apex ? test_triangle_from_apex(job, number, setup, group, group->lanes, packet, worker)
+    return packet->has.apex ? test_triangle_from_apex(job, number, setup, group, group->lanes, packet, worker)
                             : test_triangle_from_anywhere(job, number, group, group->lanes, packet, worker);
 }
 

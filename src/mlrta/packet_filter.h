@@ -74,7 +74,8 @@ MLRT_INLINE struct verdict guess_vector(const struct triangle_terms *terms, cons
     if (!m_bits(verdict.nearer)) return verdict;
     const vf t = v_div(terms->distance, dot_product(d, terms->cross[3]));
     verdict.lo = verdict.hi = t;
-    verdict.nearer = m_and(verdict.nearer, m_and(v_gt(t, v_load(packet->t_min + v)), v_lt(t, v_load(packet->hi + v))));
+    verdict.nearer =
+        m_and(verdict.nearer, m_and(v_gt(t, v_load(packet->t_min + v)), v_lt(t, v_load(packet->nearest.hi + v))));
     return verdict;
 }
 
@@ -98,8 +99,8 @@ MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, flo
     test.plane_bound = v_set1(PLANE_BOUND * reach);
     test.distance = terms->distance;
     test.distance_bound = terms->distance_bound;
-    return compare_distances(&test, candidates, v_load(packet->t_min + v), v_load(packet->lo + v),
-                             v_load(packet->hi + v), 0);
+    return compare_distances(&test, candidates, v_load(packet->t_min + v), v_load(packet->nearest.lo + v),
+                             v_load(packet->nearest.hi + v), 0);
 }
 
 /* The float part of test_triangle. It is inlined, so the compiler knows whether `apex_terms` is NULL. */
@@ -109,7 +110,7 @@ MLRT_INLINE struct outcome filter_lanes(const struct mlrt_tree *tree, uint32_t n
 {
     struct outcome outcome = {0, 0, 0};
     uint32_t tested = 0;
-    if (MLRT_UNLIKELY(packet->has_masks)) lanes = mlrt_seeing_lanes(tree, number, packet->mask, lanes);
+    if (MLRT_UNLIKELY(packet->has.masks)) lanes = mlrt_seeing_lanes(tree, number, packet->mask, lanes);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         if (!(lanes >> v & ALL_LANES)) continue;
         const vm active = concerned_rays(packet, lanes, number, v);
@@ -139,8 +140,8 @@ MLRT_INLINE uint32_t test_triangle(const struct mlrt_job *job, uint32_t number, 
 {
     const struct outcome outcome = filter_lanes(job->tree, number, apex_terms, group, lanes, packet, worker);
     if (MLRT_LIKELY(!outcome.undecided)) return outcome.nearer;
-    return outcome.nearer | decide_lanes(job->tree, number, outcome.undecided, outcome.inside, packet, worker,
-                                         COUNTERS(worker));
+    return outcome.nearer |
+           decide_lanes(job->tree, number, outcome.undecided, outcome.inside, packet, worker, COUNTERS(worker));
 }
 
 /* test_triangle for rays of a common origin, and for rays of different origins. */

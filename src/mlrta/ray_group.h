@@ -72,7 +72,7 @@ static MLRT_NOINLINE void find_range(const struct mlrt_packet *packet, uint32_t 
         MLRT_UNROLL
         for (int k = 0; k < 4; ++k) {
             const vf lo = v_load((k < 3 ? packet->direction[k] : packet->t_min) + v);
-            const vf hi = v_load((k < 3 ? packet->direction[k] : packet->hi) + v);
+            const vf hi = v_load((k < 3 ? packet->direction[k] : packet->nearest.hi) + v);
             least[k] = v_min(v_select(chosen, lo, none), least[k]);
             negated[k] = v_min(v_select(chosen, v_sub(zero, hi), none), negated[k]);
         }
@@ -159,7 +159,7 @@ MLRT_INLINE void set_group_axis(const struct mlrt_packet *packet, uint32_t lanes
 {
     axis->negative = lo < 0;
     axis->reach = axis->negative ? -lo : hi;
-    if (packet->has_apex) {
+    if (packet->has.apex) {
         axis->origin_lo = axis->origin_hi = packet->apex[k];
     } else {
         axis->origin_lo = lowest(packet->origin[k], lanes);
@@ -189,7 +189,7 @@ MLRT_INLINE void set_main_axis(struct ray_group *group)
 
 MLRT_INLINE void set_frustum(const struct mlrt_packet *packet, struct ray_group *group)
 {
-    group->has_frustum = packet->has_apex;
+    group->has_frustum = packet->has.apex;
     if (!group->has_frustum) return;
     const int a = (int)(group->axis_code & 3);
     for (int side = 0; side < 2; ++side) {
@@ -202,7 +202,7 @@ static void make_group(const struct mlrt_packet *packet, uint32_t lanes, const s
                        struct ray_group *group)
 {
     struct lane_range *range = &group->range;
-    if (!packet->has_apex) lanes = near_lanes(packet, lanes, bounds);
+    if (!packet->has.apex) lanes = near_lanes(packet, lanes, bounds);
     find_range(packet, lanes, range);
     if (MLRT_UNLIKELY(!have_common_signs(range))) {
         lanes = same_sign_lanes(packet, lanes);

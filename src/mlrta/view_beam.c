@@ -28,10 +28,10 @@ struct corners {
 static void find_corners(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                          struct corners *corners)
 {
-    const double xs[2] = {mlrt_sample_position(view->first_x, x, view->sample_x),
-                          mlrt_sample_position(view->first_x, x + width - 1, view->sample_x)};
-    const double ys[2] = {mlrt_sample_position(view->first_y, y, view->sample_y),
-                          mlrt_sample_position(view->first_y, y + height - 1, view->sample_y)};
+    const double xs[2] = {mlrt_sample_position(view->crop.x, x, view->sample_x),
+                          mlrt_sample_position(view->crop.x, x + width - 1, view->sample_x)};
+    const double ys[2] = {mlrt_sample_position(view->crop.y, y, view->sample_y),
+                          mlrt_sample_position(view->crop.y, y + height - 1, view->sample_y)};
     const double x_max = fmax(fabs(xs[0]), fabs(xs[1])), y_max = fmax(fabs(ys[0]), fabs(ys[1]));
     for (int k = 0; k < 3; ++k) {
         const double d00 = view->d00[k], dx = view->dx[k], dy = view->dy[k];

@@ -59,19 +59,19 @@ static int32_t check_numbers(const mlrt_camera *camera, int is_parallel)
 int32_t mlrt_make_view(const mlrt_camera *camera, struct mlrt_view *view)
 {
     view->parallel = camera->projection == MLRT_PROJECTION_PARALLEL;
-    int32_t status = resolve_length("x", "width", camera->width, camera->crop_x, camera->crop_width, &view->width);
+    int32_t status = resolve_length("x", "width", camera->width, camera->crop_x, camera->crop_width, &view->crop.width);
     if (status == MLRT_OK)
-        status = resolve_length("y", "height", camera->height, camera->crop_y, camera->crop_height, &view->height);
-    if (status == MLRT_OK && (uint64_t)view->width * view->height > INT32_MAX) {
+        status = resolve_length("y", "height", camera->height, camera->crop_y, camera->crop_height, &view->crop.height);
+    if (status == MLRT_OK && (uint64_t)view->crop.width * view->crop.height > INT32_MAX) {
         status =
             mlrt_fail(MLRT_ERROR_TOO_LARGE, "camera.crop_width: %lu x crop_height %lu are more pixels than 2147483647",
-                      (unsigned long)view->width, (unsigned long)view->height);
+                      (unsigned long)view->crop.width, (unsigned long)view->crop.height);
     }
     if (status == MLRT_OK) status = check_numbers(camera, view->parallel);
     if (status != MLRT_OK) return status;
 
-    view->first_x = camera->crop_x;
-    view->first_y = camera->crop_y;
+    view->crop.x = camera->crop_x;
+    view->crop.y = camera->crop_y;
     view->eye_is_safe = 1;
     for (int k = 0; k < 3; ++k) {
         view->eye[k] = camera->eye[k];

@@ -5,13 +5,18 @@
 
 #include "mlrt.h"
 
+/* The part of a picture that is traced: its first pixel, and its size. */
+struct mlrt_crop {
+    uint32_t x;
+    uint32_t y;
+    uint32_t width;
+    uint32_t height;
+};
+
 /* A checked camera with defaults resolved. Pixel (0, 0) is the first of the crop. */
 struct mlrt_view {
     int parallel;
-    uint32_t width; /* of the crop */
-    uint32_t height;
-    uint32_t first_x;
-    uint32_t first_y;
+    struct mlrt_crop crop;
     float eye[3];       /* pinhole: every origin */
     int eye_is_safe;    /* mlrt_are_float_safe(eye) */
     float direction[3]; /* parallel: every direction */
@@ -36,8 +41,8 @@ static inline float mlrt_sample_position(uint32_t first, uint32_t i, float sampl
 /* The vector p of a pixel: the direction of a pinhole camera's ray, the origin of a parallel camera's. */
 static inline void mlrt_view_point(const struct mlrt_view *view, uint32_t i, uint32_t j, float p[3])
 {
-    const float x = mlrt_sample_position(view->first_x, i, view->sample_x);
-    const float y = mlrt_sample_position(view->first_y, j, view->sample_y);
+    const float x = mlrt_sample_position(view->crop.x, i, view->sample_x);
+    const float y = mlrt_sample_position(view->crop.y, j, view->sample_y);
     for (int k = 0; k < 3; ++k) p[k] = (view->d00[k] + x * view->dx[k]) + y * view->dy[k];
 }
 

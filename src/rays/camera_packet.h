@@ -13,11 +13,11 @@
 static void get_pinhole_packet(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t lanes,
                                struct mlrt_packet *packet)
 {
-    const vf x0 = v_set1((float)(view->first_x + x)), y0 = v_set1((float)(view->first_y + y));
+    const vf x0 = v_set1((float)(view->crop.x + x)), y0 = v_set1((float)(view->crop.y + y));
     memcpy(packet->apex, view->eye, sizeof packet->apex);
-    packet->has_apex = 1;
-    packet->has_skip = packet->has_masks = 0;
-    packet->has_limits = view->t_min > 0;
+    packet->has.apex = 1;
+    packet->has.skip = packet->has.masks = 0;
+    packet->has.limits = view->t_min > 0;
     struct checked_lanes checked;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf xs = v_add(v_add(x0, v_load(mlrt_lane_x + v)), v_set1(view->sample_x));

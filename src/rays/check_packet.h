@@ -99,9 +99,9 @@ MLRT_INLINE void take_limits(vf t_min, vf t_max, int v, struct mlrt_packet *pack
 {
     v_store(packet->t_min + v, t_min);
     v_store(packet->t_max + v, t_max);
-    v_store(packet->lo + v, t_max);
-    v_store(packet->hi + v, t_max);
-    i_store(packet->triangle + v, i_set1(MLRT_NONE));
+    v_store(packet->nearest.lo + v, t_max);
+    v_store(packet->nearest.hi + v, t_max);
+    i_store(packet->nearest.triangle + v, i_set1(MLRT_NONE));
 }
 
 /*
@@ -112,7 +112,7 @@ MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
 {
     struct checked_lanes origins = {0xFFFF, 0xFFFF, 0xFFFF}, directions; /* an apex is finite: source.c, camera.c */
     uint32_t is_interval = 0;
-    if (!packet->has_apex) {
+    if (!packet->has.apex) {
         check_lanes(packet->origin, &origins);
     } else if (MLRT_UNLIKELY(!mlrt_are_float_safe(packet->apex))) {
         origins.safe = 0;

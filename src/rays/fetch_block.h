@@ -26,7 +26,7 @@ static void fetch_block(const struct mlrt_source *source, const struct mlrt_rect
 static void check_block(const struct mlrt_source *source, uint32_t lanes, struct mlrt_packet *packet)
 {
     if (mlrt_is_pinhole(source)) return;
-    if (packet->has_skip) mlrt_number_skips(source->tree, packet);
+    if (packet->has.skip) mlrt_number_skips(source->tree, packet);
     check_packet(lanes, packet);
 }
 

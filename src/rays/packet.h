@@ -25,24 +25,34 @@
  */
 #define RECIPROCAL_SLACK 0x1p-21f
 
-struct mlrt_packet {
-    MLRT_ALIGNED(64) float direction[3][MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float origin[3][MLRT_PACKET_RAYS]; /* not set if has_apex */
-    MLRT_ALIGNED(64) float t_min[MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float t_max[MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float lo[MLRT_PACKET_RAYS]; /* the nearest hit so far: as in struct mlrt_nearest */
+/* The nearest hit so far of each ray, as in struct mlrt_nearest. */
+struct mlrt_packet_hits {
+    MLRT_ALIGNED(64) float lo[MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float hi[MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) uint32_t triangle[MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) uint32_t skip[MLRT_PACKET_RAYS];      /* triangle number, MLRT_NONE = none; not set if !has_skip */
+};
+
+/* What the rays of a packet have. */
+struct mlrt_packet_traits {
+    int apex; /* all rays start at one point */
+    int skip;
+    int limits; /* 0 = all t_min are 0 or less, and all t_max are equal */
+    int masks;  /* 0 = the rays see all triangles, or have one mask, which the kernel applies to leaves */
+};
+
+struct mlrt_packet {
+    MLRT_ALIGNED(64) float direction[3][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float origin[3][MLRT_PACKET_RAYS]; /* not set if has.apex */
+    MLRT_ALIGNED(64) float t_min[MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float t_max[MLRT_PACKET_RAYS];
+    struct mlrt_packet_hits nearest;
+    MLRT_ALIGNED(64) uint32_t skip[MLRT_PACKET_RAYS];      /* triangle number, MLRT_NONE = none; not set if !has.skip */
     MLRT_ALIGNED(64) uint32_t skip_mesh[MLRT_PACKET_RAYS]; /* mesh id, while `skip` is a position in that mesh */
-    MLRT_ALIGNED(64) uint32_t mask[MLRT_PACKET_RAYS];      /* scene/masks.h; not set if !has_masks */
-    float apex[3];                                         /* the common origin, if has_apex */
+    MLRT_ALIGNED(64) uint32_t mask[MLRT_PACKET_RAYS];      /* scene/masks.h; not set if !has.masks */
+    float apex[3];                                         /* the common origin, if has.apex */
     uint32_t active;                                       /* bit per lane */
     uint32_t single;                                       /* bit per lane */
-    int has_apex;
-    int has_skip;
-    int has_limits; /* 0 = all t_min are 0 or less, and all t_max are equal */
-    int has_masks;  /* 0 = the rays see all triangles, or have one mask, which the kernel applies to leaves */
+    struct mlrt_packet_traits has;
 };
 
 /* Powers of two by which each ray is scaled into the units of boxes (trace/units.h), besides the unit itself. */

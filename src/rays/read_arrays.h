@@ -137,8 +137,8 @@ static void read_whole_block(const struct mlrt_array_reader *reader, uint32_t x,
     const unsigned char *directions = reader->directions.data + ray * reader->directions.stride;
     float *t_min = reader->points_have_t_min ? packet->t_min : NULL;
     float *t_max = reader->directions_have_t_max ? packet->t_max : NULL;
-    packet->has_apex = source->kind == MLRT_SOURCE_POINT_LIGHT;
-    if (packet->has_apex) {
+    packet->has.apex = source->kind == MLRT_SOURCE_POINT_LIGHT;
+    if (packet->has.apex) {
         read_vectors(&reader->points, points, source->light, packet->direction, t_min);
         memcpy(packet->apex, source->light, sizeof packet->apex);
     } else if (reader->are_structs) {
@@ -148,12 +148,12 @@ static void read_whole_block(const struct mlrt_array_reader *reader, uint32_t x,
         read_vectors(&reader->directions, directions, NULL, packet->direction, t_max);
     }
     if (!t_min) read_floats(&reader->t_min, origin, 0, packet->t_min);
-    if (!t_max) read_floats(&reader->t_max, ray, packet->has_apex ? 1 : INFINITY, packet->t_max);
-    packet->has_limits = reader->t_min.data || reader->t_max.data;
-    packet->has_masks = 0;
+    if (!t_max) read_floats(&reader->t_max, ray, packet->has.apex ? 1 : INFINITY, packet->t_max);
+    packet->has.limits = reader->t_min.data || reader->t_max.data;
+    packet->has.masks = 0;
     if (MLRT_UNLIKELY(source->has_masks)) mlrt_fetch_masks(source, x, y, 0xFFFF, packet);
-    packet->has_skip = reader->skip.data != NULL;
-    if (packet->has_skip) read_skips(&reader->skip, origin, source->tree, known, packet);
+    packet->has.skip = reader->skip.data != NULL;
+    if (packet->has.skip) read_skips(&reader->skip, origin, source->tree, known, packet);
 }
 
 #endif

@@ -69,8 +69,8 @@ int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *sou
     source->arrays.stream_count = 0;
     int32_t status = mlrt_make_view(camera, &source->view);
     if (status != MLRT_OK) return status;
-    source->width = source->view.width;
-    source->height = source->view.height;
+    source->width = source->view.crop.width;
+    source->height = source->view.crop.height;
     source->count = source->width * source->height;
     return MLRT_OK;
 }
@@ -320,7 +320,7 @@ static void fetch_light_rays(const struct mlrt_source *source, const struct bloc
     }
     fill(0, packet->t_min);
     fill(is_point ? 1 : INFINITY, packet->t_max);
-    packet->has_apex = is_point;
+    packet->has.apex = is_point;
     memcpy(packet->apex, source->light, sizeof packet->apex);
 }
 
@@ -329,7 +329,7 @@ void mlrt_fetch_masks(const struct mlrt_source *source, uint32_t x, uint32_t y, 
 {
     struct block block;
     if (source->arrays.mask.data) find_elements(source, x, y, lanes, &block);
-    packet->has_masks = 1;
+    packet->has.masks = 1;
     for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane)
         packet->mask[lane] = source->arrays.mask.data ? mask_at(source, block.of_ray[lane]) : source->common_mask;
 }
@@ -337,18 +337,18 @@ void mlrt_fetch_masks(const struct mlrt_source *source, uint32_t x, uint32_t y, 
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                        struct mlrt_packet *packet)
 {
-    packet->has_apex = packet->has_skip = packet->has_limits = 0;
-    packet->has_masks = 0;
+    packet->has.apex = packet->has.skip = packet->has.limits = 0;
+    packet->has.masks = 0;
     if (MLRT_UNLIKELY(source->has_masks)) mlrt_fetch_masks(source, x, y, lanes, packet);
     if (source->kind == MLRT_SOURCE_CAMERA) {
-        packet->has_limits = source->view.t_min > 0;
+        packet->has.limits = source->view.t_min > 0;
         fetch_camera_rays(&source->view, x, y, packet);
         return;
     }
     struct block block;
     find_elements(source, x, y, lanes, &block);
     if (source->kind == MLRT_SOURCE_RAYS) {
-        packet->has_limits = source->arrays.t_min.data || source->arrays.t_max.data;
+        packet->has.limits = source->arrays.t_min.data || source->arrays.t_max.data;
         fetch_vectors(&source->arrays.points, block.of_origin, packet->origin);
         fetch_vectors(&source->arrays.directions, block.of_ray, packet->direction);
         fetch_numbers(&source->arrays.t_min, block.of_origin, 0, packet->t_min);
@@ -356,8 +356,8 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
     } else {
         fetch_light_rays(source, &block, packet);
     }
-    packet->has_skip = source->arrays.skip.data != NULL;
-    for (int lane = 0; packet->has_skip && lane < MLRT_PACKET_RAYS; ++lane) {
+    packet->has.skip = source->arrays.skip.data != NULL;
+    for (int lane = 0; packet->has.skip && lane < MLRT_PACKET_RAYS; ++lane) {
         const float *pair = float_at(&source->arrays.skip, block.of_origin[lane]);
         memcpy(&packet->skip_mesh[lane], pair, 4);
         memcpy(&packet->skip[lane], pair + 1, 4);

@@ -34,11 +34,11 @@ static uint32_t tile_count(uint32_t length, uint32_t size)
 static void describe_tile(const struct mlrt_job *job, const struct mlrt_worker *worker, uint32_t number, uint32_t width,
                           uint32_t height, mlrt_tile *tile)
 {
-    const struct mlrt_sink *sink = &worker->tile;
+    const struct mlrt_sink *sink = &worker->sinks.tile;
     *tile = (mlrt_tile){sizeof *tile,
                         number,
-                        job->source.view.first_x + sink->x,
-                        job->source.view.first_y + sink->y,
+                        job->source.view.crop.x + sink->x,
+                        job->source.view.crop.y + sink->y,
                         width,
                         height,
                         (const float *)(const void *)sink->channel[MLRT_CHANNEL_T].data,
@@ -55,10 +55,10 @@ static MLRT_NOINLINE void trace_item(const struct run *run, struct mlrt_worker *
                                      const struct mlrt_rectangle *area)
 {
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c)
-        worker->tile.channel[c].row_stride = area->width * worker->tile.channel[c].stride;
-    mlrt_group_channels(&worker->tile);
-    worker->tile.x = area->x;
-    worker->tile.y = area->y;
+        worker->sinks.tile.channel[c].row_stride = area->width * worker->sinks.tile.channel[c].stride;
+    mlrt_group_channels(&worker->sinks.tile);
+    worker->sinks.tile.x = area->x;
+    worker->sinks.tile.y = area->y;
     run->job->kernels->trace_area(run->job, worker, area);
 }
 
@@ -77,10 +77,10 @@ static int32_t run_item(void *work, uint32_t item, uint32_t number)
     trace_item(run, worker, &area);
     mlrt_leave_fp_environment(worker->watch.environment);
     if (worker->watch.stopped) return 1;
-    if (job->callback) {
+    if (job->callback.function) {
         mlrt_tile tile;
         describe_tile(job, worker, number, area.width, area.height, &tile);
-        if (job->callback(job->user, &tile) != 0) return 1;
+        if (job->callback.function(job->callback.user, &tile) != 0) return 1;
     }
     return mlrt_advance(&run->progress, (double)area.width * area.height - worker->watch.pixels_told);
 }
@@ -91,9 +91,10 @@ static int wants_channel(const struct mlrt_job *job, enum mlrt_channel channel)
     static const uint32_t output[MLRT_CHANNEL_COUNT] = {
         MLRT_OUTPUT_T,     MLRT_OUTPUT_UV, MLRT_OUTPUT_UV, MLRT_OUTPUT_IDS, MLRT_OUTPUT_IDS | MLRT_OUTPUT_TRIANGLE,
         MLRT_OUTPUT_FACING};
-    if (!job->callback) return 0;
-    if (channel == MLRT_CHANNEL_OCCLUDED && job->light_count) return (job->outputs & MLRT_OUTPUT_OCCLUDED) != 0;
-    return job->any ? channel == MLRT_CHANNEL_OCCLUDED : (job->outputs & output[channel]) != 0;
+    if (!job->callback.function) return 0;
+    if (channel == MLRT_CHANNEL_OCCLUDED && job->light_count)
+        return (job->callback.outputs & MLRT_OUTPUT_OCCLUDED) != 0;
+    return job->any ? channel == MLRT_CHANNEL_OCCLUDED : (job->callback.outputs & output[channel]) != 0;
 }
 
 /* Tables of a worker have 1 << so many entries: pairs of triangles, and triangles of known planes. */
@@ -122,7 +123,7 @@ static size_t lay_out_share(const struct mlrt_job *job, unsigned char *memory, s
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
         const size_t element_size = mlrt_channel_size((enum mlrt_channel)c);
         if (!wants_channel(job, (enum mlrt_channel)c)) continue;
-        if (memory) worker->tile.channel[c] = (struct mlrt_image){memory + size, element_size, 0};
+        if (memory) worker->sinks.tile.channel[c] = (struct mlrt_image){memory + size, element_size, 0};
         size += pixel_count * element_size;
     }
     return (size + 63) / 64 * 64;
@@ -132,11 +133,11 @@ static size_t lay_out_share(const struct mlrt_job *job, unsigned char *memory, s
 static void begin_worker(const struct mlrt_job *job, unsigned char *share, struct mlrt_worker *worker)
 {
     memset(&worker->counters, 0, sizeof worker->counters);
-    memset(&worker->tile, 0, sizeof worker->tile);
+    memset(&worker->sinks.tile, 0, sizeof worker->sinks.tile);
     (void)lay_out_share(job, share, worker);
-    worker->sink_count = 0;
-    if (!mlrt_sink_is_empty(&job->frame)) worker->sinks[worker->sink_count++] = &job->frame;
-    if (job->callback) worker->sinks[worker->sink_count++] = &worker->tile;
+    worker->sinks.count = 0;
+    if (!mlrt_sink_is_empty(&job->frame)) worker->sinks.each[worker->sinks.count++] = &job->frame;
+    if (job->callback.function) worker->sinks.each[worker->sinks.count++] = &worker->sinks.tile;
     mlrt_forget_planes(known_plane_bits(job), pair_bits(job), worker);
     mlrt_fill_words(worker->hit_terms.numbers, MLRT_NONE);
     worker->mask = job->source.common_mask;

@@ -126,8 +126,8 @@ static enum array_kind set_array_cell(const struct array_cells *cells, const str
         if (cells->are_parallel) at->lo[place] = lo, at->hi[place] = hi;
         fits &= cells->are_parallel || (lo >= -STEEPEST_SLOPE && hi <= STEEPEST_SLOPE);
     }
-    if (cells->are_parallel) hulls->first[place] = near, hulls->core_first[place] = far;
-    if (cells->have_ends) hulls->core_last[place] = near, hulls->last[place] = far;
+    if (cells->are_parallel) hulls->first[place] = near, hulls->closed.core_first[place] = far;
+    if (cells->have_ends) hulls->closed.core_last[place] = near, hulls->last[place] = far;
     return fits ? HAS_HULL : IS_MIXED;
 }
 
@@ -146,7 +146,7 @@ static enum array_kind add_array_cell(const struct array_cells *cells, const str
         if (!corners_skip_one(skip, element, source->width)) return IS_MIXED;
         memcpy(pair, skip->data + element * skip->stride, sizeof pair);
         find_mesh(source->tree, pair[0], known);
-        if (pair[1] < known->range.count) bundle->hulls.skip[place] = known->range.first + pair[1];
+        if (pair[1] < known->range.count) bundle->hulls.closed.skip[place] = known->range.first + pair[1];
     }
     for (uint32_t block = 0; block < 16; ++block) {
         const size_t first = element + (size_t)(block & ~3u) * source->width + 4 * (block & 3);
@@ -211,24 +211,25 @@ static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rect
     const int is_light = source->kind != MLRT_SOURCE_RAYS;
     cells.are_parallel = source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT || (!is_light && !cells.reader.directions.step);
     if (!is_light && cells.reader.directions.step && cells.reader.points.step) return 0;
-    bundle->unit = cells.unit = job->tree->bvh.unit;
+    bundle->scene.unit = cells.unit = job->tree->bvh.unit;
     begin_cells(0, bundle);
     if (cells.are_parallel && !begin_parallel_cells(&job->tree->bvh, &cells, middle, &bundle->waist)) return 0;
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
         const struct mlrt_rectangle tile = mlrt_cut_piece(area, 16 * (place % 4), 16 * (place / 4), 16);
         const size_t first = (size_t)tile.y * source->width + tile.x;
         if (16 * (place % 4) >= area->width || 16 * (place / 4) >= area->height) continue;
-        if (!there && !cells.are_parallel && !begin_apex_cells(source, first, bundle->unit, &cells, &bundle->waist))
+        if (!there && !cells.are_parallel &&
+            !begin_apex_cells(source, first, bundle->scene.unit, &cells, &bundle->waist))
             return 0;
         const enum array_kind kind = add_array_cell(&cells, &tile, &known, place, bundle);
         there |= (uint32_t)(kind == HAS_HULL) << place;
         is_void |= (uint32_t)(kind == IS_VOID) << place;
     }
     if (cells.are_parallel) there = hulls_fit(bundle, there);
-    bundle->going = there;
-    bundle->apexes = cells.are_parallel ? 0 : there;
-    bundle->closed = there | is_void;
-    return bundle->closed != 0;
+    bundle->state.going = there;
+    bundle->state.apexes = cells.are_parallel ? 0 : there;
+    bundle->state.closed = there | is_void;
+    return bundle->state.closed != 0;
 }
 
 #endif

@@ -79,6 +79,25 @@ struct mlrt_hull_row {
     MLRT_ALIGNED(64) float hi[MLRT_BUNDLE_PACKETS];
 };
 
+/* What the filters (leaf.h) need: the terms as middle and radius, and the factors of the error bounds. */
+struct mlrt_filter_hulls {
+    MLRT_ALIGNED(64) float middle[MLRT_RAY_TERMS][MLRT_BUNDLE_PACKETS];
+    MLRT_ALIGNED(64) float radius[MLRT_RAY_TERMS][MLRT_BUNDLE_PACKETS];
+    MLRT_ALIGNED(64) float reach[MLRT_BUNDLE_PACKETS]; /* R */
+    MLRT_ALIGNED(64) float blur[MLRT_BUNDLE_PACKETS];  /* 13 u X + 4 u R A + 2^-140: of places, in L5 */
+    MLRT_ALIGNED(64) float away[MLRT_BUNDLE_PACKETS];  /* A */
+};
+
+/* What is known only of closed packets (cover.h). */
+struct mlrt_closed_packets {
+    MLRT_ALIGNED(64) float core_first[MLRT_BUNDLE_PACKETS]; /* depths between which every ray looks for hits */
+    MLRT_ALIGNED(64) float core_last[MLRT_BUNDLE_PACKETS];
+    MLRT_ALIGNED(64) float cover_near[MLRT_BUNDLE_PACKETS]; /* the least depth of the cover */
+    MLRT_ALIGNED(64) uint32_t cover[MLRT_BUNDLE_PACKETS];   /* the number of a triangle; MLRT_NONE = no cover so far */
+    MLRT_ALIGNED(64)
+    uint32_t skip[MLRT_BUNDLE_PACKETS]; /* of packets without rays: the triangle that all of their rays skip */
+};
+
 /*
  * The hulls of packets: bounds of the rays of each. `term` has the extremes as they were computed. `slope`, `place`,
  * `first` and `last` are moved apart, by more than rounding can change. A packet that has left the bundle has first =
@@ -91,19 +110,8 @@ struct mlrt_hulls {
     MLRT_ALIGNED(64) float first[MLRT_BUNDLE_PACKETS]; /* depths between which rays look for hits */
     MLRT_ALIGNED(64) float last[MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) float begin[MLRT_BUNDLE_PACKETS]; /* the greatest tau of a t_min */
-    /* For the filters (leaf.h): the terms as middle and radius, and the factors of the error bounds. */
-    MLRT_ALIGNED(64) float middle[MLRT_RAY_TERMS][MLRT_BUNDLE_PACKETS];
-    MLRT_ALIGNED(64) float radius[MLRT_RAY_TERMS][MLRT_BUNDLE_PACKETS];
-    MLRT_ALIGNED(64) float reach[MLRT_BUNDLE_PACKETS]; /* R */
-    MLRT_ALIGNED(64) float blur[MLRT_BUNDLE_PACKETS];  /* 13 u X + 4 u R A + 2^-140: of places, in L5 */
-    MLRT_ALIGNED(64) float away[MLRT_BUNDLE_PACKETS];  /* A */
-    /* Of closed packets (cover.h): depths between which every ray looks for hits; the cover, and its least depth. */
-    MLRT_ALIGNED(64) float core_first[MLRT_BUNDLE_PACKETS];
-    MLRT_ALIGNED(64) float core_last[MLRT_BUNDLE_PACKETS];
-    MLRT_ALIGNED(64) float cover_near[MLRT_BUNDLE_PACKETS];
-    MLRT_ALIGNED(64) uint32_t cover[MLRT_BUNDLE_PACKETS]; /* the number of a triangle; MLRT_NONE = no cover so far */
-    MLRT_ALIGNED(64)
-    uint32_t skip[MLRT_BUNDLE_PACKETS]; /* of packets without rays: the triangle that all of their rays skip */
+    struct mlrt_filter_hulls filter;
+    struct mlrt_closed_packets closed;
 };
 
 /* One hull of all packets of a bundle. */
@@ -125,23 +133,22 @@ struct mlrt_reciprocals {
 struct mlrt_bundle_cache;
 struct mlrt_ray_tile;
 
-/*
- * A bundle on its way down the hierarchy. Its packets are those of a tile, or they stand for the tiles of a square and
- * have no rays. The masks have a bit for each packet.
- */
-struct mlrt_bundle {
-    struct mlrt_waist waist;
-    int has_places;                /* 0: all rays start at the waist, and all places are 0 */
-    int is_apex;                   /* the waist is the origin of rays: */
-    float apex[3];                 /* the same point, not in units */
-    int has_begins;                /* at least one t_min is above 0 */
-    int far_first;                 /* the farthest boxes are opened first */
-    int ends_at_skip;              /* rays that are not made yet end before the plane of the triangle that they skip */
-    float unit;                    /* all numbers of a bundle but `apex` are in units of the hierarchy (bvh/unit.h) */
-    float scene_first, scene_last; /* depths between which all boxes lie */
-    float core_first, core_last;   /* depths between which most triangles lie: only for guesses */
-    struct mlrt_hull whole;
-    struct mlrt_hulls hulls;
+/* What the rays of a bundle have. */
+struct mlrt_bundle_traits {
+    int places; /* 0: all rays start at the waist, and all places are 0 */
+    int apex;   /* the waist is the origin of rays */
+    int begins; /* at least one t_min is above 0 */
+};
+
+/* The scene, as a bundle sees it. */
+struct mlrt_bundle_scene {
+    float unit;                  /* all numbers of a bundle but `apex` are in units of the hierarchy (bvh/unit.h) */
+    float first, last;           /* depths between which all boxes lie */
+    float core_first, core_last; /* depths between which most triangles lie: only for guesses */
+};
+
+/* Where the packets of a bundle stand. The masks have a bit for each packet. */
+struct mlrt_bundle_state {
     uint32_t going;           /* traced as part of the bundle */
     uint32_t apexes;          /* all rays start at the waist */
     uint32_t closed;          /* only their cover is known, and no ray of theirs has been tested (cover.h) */
@@ -153,36 +160,70 @@ struct mlrt_bundle {
     uint32_t made;            /* tile->rays have the numbers of their rays */
     uint32_t has_reciprocals; /* tile->reciprocals are set */
     uint32_t tests[MLRT_BUNDLE_PACKETS]; /* of triangles that no ray could hit */
+};
+
+/*
+ * A bundle on its way down the hierarchy. Its packets are those of a tile, or they stand for the tiles of a square and
+ * have no rays.
+ */
+struct mlrt_bundle {
+    struct mlrt_waist waist;
+    struct mlrt_bundle_traits has;
+    float apex[3];    /* the waist, not in units, if has.apex */
+    int far_first;    /* the farthest boxes are opened first */
+    int ends_at_skip; /* rays that are not made yet end before the plane of the triangle that they skip */
+    struct mlrt_bundle_scene scene;
+    struct mlrt_hull whole;
+    struct mlrt_hulls hulls;
+    struct mlrt_bundle_state state;
     struct mlrt_bundle_cache *cache;
     struct mlrt_ray_tile *tile; /* which has the packets; NULL: they stand for tiles */
 };
 
-/* The set-up of a leaf, which bundles with one waist share. Arrays and masks have an entry for each place. */
-struct mlrt_bundle_leaf {
-    int32_t axis;        /* the main axis; ~axis if rays go down it */
-    int32_t has_places;  /* 0: set up only for rays that start at the waist */
+/* Which triangles of a leaf are set up, and how. */
+struct mlrt_leaf_state {
     uint32_t there;      /* places with a triangle that the call's common mask shows */
     uint32_t from_waist; /* of these, the triangles whose planes do not contain the waist, as far as is known */
     uint32_t flipped;    /* all coefficients are negated, so that N at the waist is not negative */
     uint32_t doubtful;   /* float does not tell the sign of N at the waist, and the judge has not been asked */
-    uint32_t row;        /* floats in a row of corners */
-    const uint32_t *numbers;
-    const float *corners;
-    uint32_t odd;                                     /* odd triangles (bvh/unit.h) */
-    uint32_t ready;                                   /* coefficients are set, for whole vectors of places */
-    uint32_t fans;                                    /* the outline is that of a fan, not of a beam (outline.h) */
+    uint32_t odd;        /* odd triangles (bvh/unit.h) */
+    uint32_t ready;      /* coefficients are set, for whole vectors of places */
+    uint32_t fans;       /* the outline is that of a fan, not of a beam (outline.h) */
+};
+
+/* Where triangles are seen from the waist (outline.h). */
+struct mlrt_leaf_outlines {
     MLRT_ALIGNED(64) float near[MLRT_BVH_LEAF_LIMIT]; /* depths between which the triangle lies */
     MLRT_ALIGNED(64) float far[MLRT_BVH_LEAF_LIMIT];
-    MLRT_ALIGNED(64) float outline_lo[2][MLRT_BVH_LEAF_LIMIT];
-    MLRT_ALIGNED(64) float outline_hi[2][MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float lo[2][MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float hi[2][MLRT_BVH_LEAF_LIMIT];
     MLRT_ALIGNED(64) float weight[MLRT_BVH_LEAF_LIMIT];
-    /* Edge functions ab, bc, ca: a constant, and the coefficients of the terms of a ray. */
-    MLRT_ALIGNED(64) float edge_constant[3][MLRT_BVH_LEAF_LIMIT];
-    MLRT_ALIGNED(64) float edge[3][MLRT_RAY_TERMS][MLRT_BVH_LEAF_LIMIT];
+};
+
+/* Edge functions ab, bc, ca: a constant, and the coefficients of the terms of a ray. */
+struct mlrt_leaf_edges {
+    MLRT_ALIGNED(64) float constant[3][MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float coefficient[3][MLRT_RAY_TERMS][MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float steepness[MLRT_BVH_LEAF_LIMIT]; /* rho: the weight of places in their errors */
+};
+
+struct mlrt_leaf_planes {
     MLRT_ALIGNED(64) float normal[3][MLRT_BVH_LEAF_LIMIT];
-    MLRT_ALIGNED(64) float distance[MLRT_BVH_LEAF_LIMIT];  /* N at the waist */
-    MLRT_ALIGNED(64) float steepness[MLRT_BVH_LEAF_LIMIT]; /* rho: the weight of places in errors of edge functions */
-    MLRT_ALIGNED(64) float away[MLRT_BVH_LEAF_LIMIT];      /* F: the error of `distance` is relative to it */
+    MLRT_ALIGNED(64) float distance[MLRT_BVH_LEAF_LIMIT]; /* N at the waist */
+    MLRT_ALIGNED(64) float away[MLRT_BVH_LEAF_LIMIT];     /* F: the error of `distance` is relative to it */
+};
+
+/* The set-up of a leaf, which bundles with one waist share. Arrays and masks have an entry for each place. */
+struct mlrt_bundle_leaf {
+    int32_t axis;       /* the main axis; ~axis if rays go down it */
+    int32_t has_places; /* 0: set up only for rays that start at the waist */
+    uint32_t row;       /* floats in a row of corners */
+    const uint32_t *numbers;
+    const float *corners;
+    struct mlrt_leaf_state state;
+    struct mlrt_leaf_outlines outline;
+    struct mlrt_leaf_edges edges;
+    struct mlrt_leaf_planes planes;
 };
 
 /* How the planes of two triangles meet: in no line that is certain enough, in a line, or in all points. */

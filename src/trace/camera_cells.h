@@ -43,7 +43,7 @@ static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct 
 static void begin_cells(uint32_t there, struct mlrt_bundle *bundle)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
-    bundle->going = bundle->closed = bundle->apexes = there;
+    bundle->state.going = bundle->state.closed = bundle->state.apexes = there;
     bundle->ends_at_skip = 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         const vf zero = v_set1(0);
@@ -53,12 +53,12 @@ static void begin_cells(uint32_t there, struct mlrt_bundle *bundle)
             v_store(hulls->term[MLRT_PLACE_J + i].hi + v, zero);
         }
         v_store(hulls->first + v, zero);
-        v_store(hulls->away + v, zero);
+        v_store(hulls->filter.away + v, zero);
         v_store(hulls->last + v, v_set1(INFINITY));
-        v_store(hulls->core_first + v, zero);
-        v_store(hulls->core_last + v, v_set1(INFINITY));
+        v_store(hulls->closed.core_first + v, zero);
+        v_store(hulls->closed.core_last + v, v_set1(INFINITY));
         v_store(hulls->begin + v, zero);
-        i_store(hulls->skip + v, i_set1(MLRT_NONE));
+        i_store(hulls->closed.skip + v, i_set1(MLRT_NONE));
     }
 }
 

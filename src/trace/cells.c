@@ -71,10 +71,10 @@ int mlrt_sample_camera_cells(const struct mlrt_view *given, float unit, const st
     }
     const uint32_t x = area->x, y = area->y, width = area->width, height = area->height;
     float columns[2][4], rows[2][4], middle[3];
-    set_cell_samples(view->first_x, x, side, width, view->sample_x, columns);
-    set_cell_samples(view->first_y, y, side, height, view->sample_y, rows);
-    const float x_max = larger_size(columns[0][0], mlrt_sample_position(view->first_x, x + width - 1, view->sample_x));
-    const float y_max = larger_size(rows[0][0], mlrt_sample_position(view->first_y, y + height - 1, view->sample_y));
+    set_cell_samples(view->crop.x, x, side, width, view->sample_x, columns);
+    set_cell_samples(view->crop.y, y, side, height, view->sample_y, rows);
+    const float x_max = larger_size(columns[0][0], mlrt_sample_position(view->crop.x, x + width - 1, view->sample_x));
+    const float y_max = larger_size(rows[0][0], mlrt_sample_position(view->crop.y, y + height - 1, view->sample_y));
     for (int k = 0; k < 3; ++k) {
         const float whole = fabsf(view->d00[k]) + x_max * fabsf(view->dx[k]) + y_max * fabsf(view->dy[k]);
         if (!(whole <= limit)) return 0;

@@ -73,8 +73,8 @@ MLRT_INLINE void bound_over_packets(const struct mlrt_hulls *hulls, int v, float
     MLRT_UNROLL
     for (int i = 0; i < term_count; ++i) {
         const vf c = v_set1(coefficient[i][triangle]);
-        middle = v_mul_add(c, v_load(hulls->middle[i] + v), middle);
-        radius = v_mul_add(v_abs(c), v_load(hulls->radius[i] + v), radius);
+        middle = v_mul_add(c, v_load(hulls->filter.middle[i] + v), middle);
+        radius = v_mul_add(v_abs(c), v_load(hulls->filter.radius[i] + v), radius);
     }
     *least = v_sub(middle, radius);
     *greatest = v_add(middle, radius);
@@ -85,18 +85,18 @@ MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_
                               int v, int has_places, struct triangle_of_packets *of)
 {
     const vm backward = of->backward;
-    vf middle = v_set1(leaf->distance[triangle]), radius = v_set1(0), error = v_set1(0);
+    vf middle = v_set1(leaf->planes.distance[triangle]), radius = v_set1(0), error = v_set1(0);
     if (!MLRT_GUESS) {
-        error = v_set1(2 * DISTANCE_ERROR * leaf->away[triangle] + 2 * DISTANCE_FLOOR);
-        error = v_mul_add(v_load(hulls->blur + v), v_set1(has_places ? 8 : 0), error);
+        error = v_set1(2 * DISTANCE_ERROR * leaf->planes.away[triangle] + 2 * DISTANCE_FLOOR);
+        error = v_mul_add(v_load(hulls->filter.blur + v), v_set1(has_places ? 8 : 0), error);
     }
     MLRT_UNROLL
     for (int i = 0; has_places && i < 2; ++i) {
-        const vf n = v_set1(leaf->normal[1 + i][triangle]);
-        middle = v_sub(middle, v_mul(n, v_load(hulls->middle[MLRT_PLACE_J + i] + v)));
-        radius = v_mul_add(v_abs(n), v_load(hulls->radius[MLRT_PLACE_J + i] + v), radius);
+        const vf n = v_set1(leaf->planes.normal[1 + i][triangle]);
+        middle = v_sub(middle, v_mul(n, v_load(hulls->filter.middle[MLRT_PLACE_J + i] + v)));
+        radius = v_mul_add(v_abs(n), v_load(hulls->filter.radius[MLRT_PLACE_J + i] + v), radius);
     }
-    const vf width = v_mul(v_load(hulls->reach + v), v_set1(PLANE_BOUND)), zero = v_set1(0);
+    const vf width = v_mul(v_load(hulls->filter.reach + v), v_set1(PLANE_BOUND)), zero = v_set1(0);
     const vf n = v_select(backward, v_sub(zero, middle), middle), room = v_add(radius, error);
     const vf least_n = v_sub(n, room), greatest_n = v_add(n, room);
     const vf from = v_sub(v_select(backward, v_sub(zero, of->greatest_d), of->least_d), width);
@@ -113,13 +113,13 @@ MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const s
                                          uint32_t triangle, int v, int has_places, struct triangle_of_packets *of)
 {
     const int term_count = has_places ? MLRT_RAY_TERMS : 2;
-    const vf reach = v_load(hulls->reach + v), zero = v_set1(0);
+    const vf reach = v_load(hulls->filter.reach + v), zero = v_set1(0);
     vf lowest = v_set1(INFINITY), highest = v_set1(-INFINITY), inner_low = lowest, inner_high = highest, least,
        greatest;
     MLRT_UNROLL
     for (int i = 0; i < 3; ++i) {
-        bound_over_packets(hulls, v, leaf->edge_constant[i][triangle], leaf->edge[i], triangle, term_count, &least,
-                           &greatest);
+        bound_over_packets(hulls, v, leaf->edges.constant[i][triangle], leaf->edges.coefficient[i], triangle,
+                           term_count, &least, &greatest);
         lowest = v_min(greatest, lowest);
         highest = v_max(least, highest);
         inner_low = v_min(least, inner_low);
@@ -127,10 +127,12 @@ MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const s
     }
     vf bound = v_mul(reach, v_set1(2 * EDGE_ERROR));
     if (has_places && !MLRT_GUESS) {
-        bound = v_mul_add(v_mul(v_load(hulls->blur + v), reach), v_set1(2 * leaf->steepness[triangle]), bound);
+        bound =
+            v_mul_add(v_mul(v_load(hulls->filter.blur + v), reach), v_set1(2 * leaf->edges.steepness[triangle]), bound);
     }
     const vf width = v_mul(reach, v_set1(2 * PLANE_BOUND));
-    bound_over_packets(hulls, v, leaf->normal[0][triangle], leaf->normal + 1, triangle, 2, &least, &greatest);
+    bound_over_packets(hulls, v, leaf->planes.normal[0][triangle], leaf->planes.normal + 1, triangle, 2, &least,
+                       &greatest);
     const vm below = v_lt(lowest, v_sub(zero, bound)), above = v_gt(highest, bound);
     const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(zero, width));
     of->out = has_places ? m_or(m_and(below, m_or(above, forward)), m_and(above, backward)) : m_or(below, backward);
@@ -160,12 +162,12 @@ struct order_of_packets {
 MLRT_INLINE void find_order(const struct mlrt_hulls *hulls, const struct mlrt_pair_line *line, int v,
                             const struct triangle_of_packets *of, struct order_of_packets *order)
 {
-    const vf reach = v_load(hulls->reach + v), zero = v_set1(0), width = v_mul(reach, v_set1(2 * PLANE_BOUND));
+    const vf reach = v_load(hulls->filter.reach + v), zero = v_set1(0), width = v_mul(reach, v_set1(2 * PLANE_BOUND));
     const vf error = v_mul(reach, v_set1(2 * line->error));
-    const vf bound = v_mul_add(v_mul(v_load(hulls->blur + v), reach), v_set1(2 * line->steepness), error);
+    const vf bound = v_mul_add(v_mul(v_load(hulls->filter.blur + v), reach), v_set1(2 * line->steepness), error);
     vf f = v_set1(line->constant), d = v_set1(line->normal[0]), f_radius = zero, d_radius = zero;
     for (int i = 0; i < MLRT_RAY_TERMS; ++i) {
-        const vf middle = v_load(hulls->middle[i] + v), radius = v_load(hulls->radius[i] + v);
+        const vf middle = v_load(hulls->filter.middle[i] + v), radius = v_load(hulls->filter.radius[i] + v);
         f = v_mul_add(v_set1(line->coefficient[i]), middle, f);
         f_radius = v_mul_add(v_abs(v_set1(line->coefficient[i])), radius, f_radius);
         if (i >= 2) continue;
@@ -197,10 +199,11 @@ static MLRT_NOINLINE int make_rays_of_packet(const struct mlrt_job *job, struct 
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     const int v = (int)(place - place % VW);
     make_rays(job, bundle->tile, place);
-    if (MLRT_UNLIKELY(bundle->unit != 1)) check_packet_in_units(packet->active | packet->single, bundle->unit, packet);
+    if (MLRT_UNLIKELY(bundle->scene.unit != 1))
+        check_packet_in_units(packet->active | packet->single, bundle->scene.unit, packet);
     int fits = packet->active && !packet->single;
-    if (fits && (bundle->unit != 1 || bundle->tile->seen)) { /* bounds of the rays are closer than the cell's */
-        const float last = bundle->hulls.last[place];        /* may be the cover's */
+    if (fits && (bundle->scene.unit != 1 || bundle->tile->seen)) { /* bounds of the rays are closer than the cell's */
+        const float last = bundle->hulls.last[place];              /* may be the cover's */
         fits = !(packet->active & ~bound_from_anywhere(bundle, place)) && hulls_fit(bundle, 1u << place);
         finish_depths(bundle, 1u << place, v);
         if (last < bundle->hulls.last[place]) bundle->hulls.last[place] = last;
@@ -210,7 +213,7 @@ static MLRT_NOINLINE int make_rays_of_packet(const struct mlrt_job *job, struct 
     }
     if (fits) return 1;
     leave_bundle(bundle, place);
-    bundle->set_aside |= packet->active ? 1u << place : 0;
+    bundle->state.set_aside |= packet->active ? 1u << place : 0;
     return 0;
 }
 
@@ -221,18 +224,18 @@ static MLRT_NOINLINE int make_rays_of_packet(const struct mlrt_job *job, struct 
 static MLRT_NOINLINE void open_bundle_packet(const struct mlrt_job *job, struct mlrt_bundle *bundle, uint32_t place)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
-    bundle->closed &= ~(1u << place);
+    bundle->state.closed &= ~(1u << place);
     if (!bundle->tile) {
         leave_bundle(bundle, place);
         return;
     }
     if (!has_rays(bundle, place) && !make_rays_of_packet(job, bundle, place)) return;
     need_lanes(bundle, place);
-    if (hulls->cover[place] == MLRT_NONE) return;
+    if (hulls->closed.cover[place] == MLRT_NONE) return;
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
-    const vf near = v_set1(hulls->cover_near[place]), far = v_set1(hulls->last[place]),
-             away = v_set1(hulls->away[place]);
+    const vf near = v_set1(hulls->closed.cover_near[place]), far = v_set1(hulls->last[place]),
+             away = v_set1(hulls->filter.away[place]);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vm active = m_from_bits(packet->active >> v);
         const vf z = v_load(rays->to_waist[0] + v), slack = v_set1(SLOPE_SLACK), floor = v_set1(HULL_FLOOR);
@@ -240,7 +243,8 @@ static MLRT_NOINLINE void open_bundle_packet(const struct mlrt_job *job, struct 
         const vf hi = v_add(v_add(far, z), v_mul_add(v_add(v_abs(far), away), slack, floor));
         v_store(rays->lo + v, v_select(active, v_max(lo, v_set1(0)), v_load(rays->lo + v)));
         v_store(rays->hi + v, v_select(active, hi, v_load(rays->hi + v)));
-        i_store(packet->triangle + v, i_select(active, i_set1(hulls->cover[place]), i_load(packet->triangle + v)));
+        i_store(packet->nearest.triangle + v,
+                i_select(active, i_set1(hulls->closed.cover[place]), i_load(packet->nearest.triangle + v)));
     }
 }
 
@@ -248,9 +252,9 @@ static MLRT_NOINLINE void open_bundle_packet(const struct mlrt_job *job, struct 
 MLRT_INLINE void finish_untouched_packet(struct mlrt_bundle *bundle, uint32_t place)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
-    const vi cover = i_set1(bundle->hulls.cover[place]), none = i_set1(MLRT_NONE);
+    const vi cover = i_set1(bundle->hulls.closed.cover[place]), none = i_set1(MLRT_NONE);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        i_store(packet->triangle + v, i_select(m_from_bits(packet->active >> v), cover, none));
+        i_store(packet->nearest.triangle + v, i_select(m_from_bits(packet->active >> v), cover, none));
     }
 }
 
@@ -259,7 +263,7 @@ MLRT_INLINE uint32_t skipping_lanes(const struct mlrt_bundle *bundle, uint32_t p
 {
     const struct mlrt_packet *packet = &bundle->tile->packets[place];
     uint32_t skipping = 0;
-    for (int v = 0; packet->has_skip && v < MLRT_PACKET_RAYS; v += VW) {
+    for (int v = 0; packet->has.skip && v < MLRT_PACKET_RAYS; v += VW) {
         skipping |= m_bits(i_eq(i_load(packet->skip + v), i_set1(number))) << v;
     }
     return skipping & packet->active;
@@ -272,8 +276,8 @@ static MLRT_NOINLINE void hide_riding_packets(struct mlrt_bundle *bundle, uint32
         const uint32_t place = mlrt_lowest_bit(places);
         struct mlrt_packet *packet = &bundle->tile->packets[place];
         if (skipping_lanes(bundle, place, number)) continue;
-        bundle->riding &= ~(1u << place);
-        bundle->hulls.cover[place] = number;
+        bundle->state.riding &= ~(1u << place);
+        bundle->hulls.closed.cover[place] = number;
         finish_untouched_packet(bundle, place);
         packet->active = 0;
     }
@@ -290,16 +294,16 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
                                             uint32_t may_cover, int v, const struct triangle_of_packets *of)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
-    const vf far = v_load(hulls->last + v), near = v_load(hulls->cover_near + v);
+    const vf far = v_load(hulls->last + v), near = v_load(hulls->closed.cover_near + v);
     const vf apart = v_add(v_abs(v_sub(of->near, near)), v_abs(v_sub(of->far, far)));
     const vf width = v_sub(v_add(of->far, far), v_add(of->near, near));
     const vf close = v_mul_add(width, v_set1(MOST_APART), v_mul(v_abs(of->far), v_set1(ALWAYS_CLOSE)));
     uint32_t settled = 0;
-    doubtful &= m_bits(m_andnot(v_le(apart, close), i_eq(i_load(hulls->cover + v), i_set1(MLRT_NONE))));
+    doubtful &= m_bits(m_andnot(v_le(apart, close), i_eq(i_load(hulls->closed.cover + v), i_set1(MLRT_NONE))));
     if (doubtful && mlrt_is_stopped_in_step(worker)) return doubtful;
     while (doubtful) {
-        const uint32_t cover = hulls->cover[(uint32_t)v + mlrt_lowest_bit(doubtful)];
-        const uint32_t same = doubtful & m_bits(i_eq(i_load(hulls->cover + v), i_set1(cover)));
+        const uint32_t cover = hulls->closed.cover[(uint32_t)v + mlrt_lowest_bit(doubtful)];
+        const uint32_t same = doubtful & m_bits(i_eq(i_load(hulls->closed.cover + v), i_set1(cover)));
         doubtful &= ~same;
         const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, cover, worker, bundle->cache);
         uint32_t replaced = 0;
@@ -314,9 +318,10 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
             const vm kept = m_from_bits(replaced);
             const vf last = v_load(hulls->last + v);
             v_store(hulls->last + v, v_select(kept, v_min(of->far, last), last));
-            v_store(hulls->cover_near + v, v_select(kept, of->near, v_load(hulls->cover_near + v)));
+            v_store(hulls->closed.cover_near + v, v_select(kept, of->near, v_load(hulls->closed.cover_near + v)));
         }
-        i_store(hulls->cover + v, i_select(m_from_bits(replaced), i_set1(number), i_load(hulls->cover + v)));
+        i_store(hulls->closed.cover + v,
+                i_select(m_from_bits(replaced), i_set1(number), i_load(hulls->closed.cover + v)));
     }
     return settled;
 }
@@ -341,7 +346,7 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
         const struct mlrt_packet *packet = &bundle->tile->packets[place];
         const uint32_t lanes = packet->active & ~skipping_lanes(bundle, place, number);
         const int is_end = at_end >> place & 1;
-        if (packet->has_apex && (!apex || memcmp(apex, packet->apex, sizeof packet->apex) != 0)) {
+        if (packet->has.apex && (!apex || memcmp(apex, packet->apex, sizeof packet->apex) != 0)) {
             apex = packet->apex;
             measure_n(&plane, packet, 0, &n);
         }
@@ -365,8 +370,8 @@ static MLRT_NOINLINE uint32_t find_packets_behind(const struct mlrt_job *job, st
     uint32_t behind = 0;
     if (mlrt_is_stopped_in_step(worker)) return places;
     while (places) {
-        const uint32_t skip = hulls->skip[(uint32_t)v + mlrt_lowest_bit(places)];
-        const uint32_t same = places & m_bits(i_eq(i_load(hulls->skip + v), i_set1(skip)));
+        const uint32_t skip = hulls->closed.skip[(uint32_t)v + mlrt_lowest_bit(places)];
+        const uint32_t same = places & m_bits(i_eq(i_load(hulls->closed.skip + v), i_set1(skip)));
         places &= ~same;
         if (skip == MLRT_NONE || skip == number) continue;
         const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, skip, worker, bundle->cache);
@@ -394,29 +399,31 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
     const uint32_t number = leaf->numbers[triangle];
     uint32_t may = 0, covered = 0, left_alone = 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
-        if (!((among | bundle->riding) >> v & ALL_LANES)) continue;
+        if (!((among | bundle->state.riding) >> v & ALL_LANES)) continue;
         /* With places, outlines are not compared: they cost about as much as edges. */
         const uint32_t seeing = among >> v & (has_places ? ALL_LANES : packets_seeing(bundle, leaf, triangle, v));
-        if (!seeing && !(bundle->riding >> v & ALL_LANES)) continue;
+        if (!seeing && !(bundle->state.riding >> v & ALL_LANES)) continue;
         struct triangle_of_packets of;
         see_triangle_of_packets(hulls, leaf, triangle, v, has_places, &of);
-        if (!((seeing & ~m_bits(of.out) & bundle->closed >> v) | (bundle->riding >> v & ALL_LANES))) {
+        if (!((seeing & ~m_bits(of.out) & bundle->state.closed >> v) | (bundle->state.riding >> v & ALL_LANES))) {
             may |= (seeing & ~m_bits(of.out)) << v;
             continue;
         }
         bound_depths(hulls, leaf, triangle, v, has_places, &of);
-        if (leaf->flipped >> triangle & 1) of.backward = m_andnot(of.sure, of.backward); /* of D, not of -D */
-        const vf last = v_load(hulls->last + v), cover_near = v_load(hulls->cover_near + v);
+        if (leaf->state.flipped >> triangle & 1) of.backward = m_andnot(of.sure, of.backward); /* of D, not of -D */
+        const vf last = v_load(hulls->last + v), cover_near = v_load(hulls->closed.cover_near + v);
         const vm beside = m_or(v_gt(of.near, last), v_lt(of.far, v_load(hulls->first + v))),
                  passed = m_and(of.sure, beside);
-        const vm core = m_and(v_gt(of.near, v_load(hulls->core_first + v)), v_lt(of.far, v_load(hulls->core_last + v)));
+        const vm core = m_and(v_gt(of.near, v_load(hulls->closed.core_first + v)),
+                              v_lt(of.far, v_load(hulls->closed.core_last + v)));
         const vm covers = m_and(m_and(of.inside, core), v_lt(of.far, cover_near));
-        const vm known = i_eq(i_load(hulls->cover + v), i_set1(number));
-        if (bundle->riding) hide_riding_packets(bundle, m_bits(m_and(of.inside, core)) << v & bundle->riding, number);
+        const vm known = i_eq(i_load(hulls->closed.cover + v), i_set1(number));
+        if (bundle->state.riding)
+            hide_riding_packets(bundle, m_bits(m_and(of.inside, core)) << v & bundle->state.riding, number);
         uint32_t met = seeing & ~m_bits(m_or(of.out, passed)), skipping = 0;
-        if (met & bundle->closed >> v) {
-            const vm near_begin = v_lt(of.near, v_load(hulls->core_first + v));
-            const vf core_last = v_load(hulls->core_last + v), ends = v_sub(last, core_last);
+        if (met & bundle->state.closed >> v) {
+            const vm near_begin = v_lt(of.near, v_load(hulls->closed.core_first + v));
+            const vf core_last = v_load(hulls->closed.core_last + v), ends = v_sub(last, core_last);
             const vf close = v_mul_add(v_abs(of.far), v_set1(ALWAYS_CLOSE), v_add(ends, ends));
             const vm near_end = m_and(v_gt(of.far, core_last), v_le(v_sub(of.far, of.near), close));
             /*
@@ -425,8 +432,8 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
              */
             const uint32_t may_be = m_bits(m_and(of.sure, m_or(near_begin, near_end))) & met;
             const uint32_t made = (bundle->tile ? bundle->tile->made : 0) >> v,
-                           those = (may_be & made) << v & bundle->closed;
-            const uint32_t others = may_be & bundle->closed >> v & ~made;
+                           those = (may_be & made) << v & bundle->state.closed;
+            const uint32_t others = may_be & bundle->state.closed >> v & ~made;
             if (others && bundle->ends_at_skip)
                 met &= ~find_packets_behind(job, worker, bundle, number, others, v, &of);
             if (those) {
@@ -435,10 +442,10 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
                          v);
             }
         }
-        for (uint32_t left = met & bundle->closed >> v; left; left &= left - 1) {
+        for (uint32_t left = met & bundle->state.closed >> v; left; left &= left - 1) {
             const uint32_t place = (uint32_t)v + mlrt_lowest_bit(left), bit = left & (0u - left);
             if (!has_rays(bundle, place)) {
-                if (hulls->skip[place] == number) met &= ~bit;
+                if (hulls->closed.skip[place] == number) met &= ~bit;
                 continue;
             }
             const uint32_t lanes = skipping_lanes(bundle, place, number);
@@ -447,23 +454,23 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         }
         may |= met << v;
         left_alone |= m_bits(known) << v;
-        const uint32_t closed = met & bundle->closed >> v & ~(m_bits(known) | skipping);
+        const uint32_t closed = met & bundle->state.closed >> v & ~(m_bits(known) | skipping);
         const uint32_t these = m_bits(covers) & closed;
         if (these) {
             const vm kept = m_from_bits(these);
             covered |= these << v;
             v_store(hulls->last + v, v_select(kept, v_min(of.far, last), last));
-            v_store(hulls->cover_near + v, v_select(kept, of.near, cover_near));
-            i_store(hulls->cover + v, i_select(kept, i_set1(number), i_load(hulls->cover + v)));
+            v_store(hulls->closed.cover_near + v, v_select(kept, of.near, cover_near));
+            i_store(hulls->closed.cover + v, i_select(kept, i_set1(number), i_load(hulls->closed.cover + v)));
         }
         const uint32_t doubtful = job->any ? 0 : closed & ~these;
         if (!doubtful) continue;
         may &= ~(settle_covers(job, worker, bundle, number, doubtful, m_bits(m_and(of.inside, core)), v, &of) << v);
     }
-    may &= among & ~covered & ~(left_alone & bundle->closed);
-    for (uint32_t left = may & bundle->closed; left; left &= left - 1)
+    may &= among & ~covered & ~(left_alone & bundle->state.closed);
+    for (uint32_t left = may & bundle->state.closed; left; left &= left - 1)
         open_bundle_packet(job, bundle, mlrt_lowest_bit(left));
-    if (job->any) bundle->covered |= covered;
+    if (job->any) bundle->state.covered |= covered;
     for (uint32_t left = job->any ? covered : 0; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         leave_bundle(bundle, place);
@@ -471,14 +478,14 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         finish_untouched_packet(bundle, place);
         bundle->tile->packets[place].active = 0;
     }
-    return may & bundle->going;
+    return may & bundle->state.going;
 }
 
 static MLRT_NOINLINE uint32_t offer_to_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
                                                struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                                uint32_t triangle, uint32_t among)
 {
-    return bundle->has_places ? offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 1)
+    return bundle->has.places ? offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 1)
                               : offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 0);
 }
 

@@ -73,15 +73,20 @@ struct pending_lanes {
     uint32_t lanes;
 };
 
+/* Bounds of the rays of a packet, along each axis and of t. */
+struct lanes_hull {
+    int agree[3];       /* all d_k have one sign, and none is 0 */
+    float lo[3], hi[3]; /* of origins where signs agree, else of all coordinates on the rays */
+    float reciprocal_lo[3], reciprocal_hi[3];
+    float least_t_min;
+    float farthest; /* the greatest t where a ray ends, before any hit */
+};
+
 /* The search of a packet: its rays as they are tested against boxes, and its stack. */
 struct lanes_search {
     struct mlrt_reciprocals reciprocals;
     uint32_t negative[3]; /* lanes whose d_k is below 0 */
-    int agree[3];         /* all d_k have one sign, and none is 0 */
-    float lo[3], hi[3];   /* of origins where signs agree, else of all coordinates on the rays */
-    float reciprocal_lo[3], reciprocal_hi[3];
-    float least_t_min;
-    float farthest; /* the greatest t where a ray ends, before any hit */
+    struct lanes_hull hull;
     int one_origin;
     float origin[3]; /* of all rays, if one_origin */
     float reach;     /* 4 m: 4 times the greatest |d_k| of all lanes */
@@ -97,13 +102,13 @@ MLRT_INLINE void bound_along(const struct mlrt_packet *packet, uint32_t lanes, i
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vm among = m_from_bits(lanes >> v);
         const vf origin = v_load(packet->origin[k] + v), d = v_load(packet->direction[k] + v);
-        const vf end = v_add(origin, v_mul(v_min(v_load(packet->hi + v), v_set1(FLT_MAX)), d));
+        const vf end = v_add(origin, v_mul(v_min(v_load(packet->nearest.hi + v), v_set1(FLT_MAX)), d));
         const vf slack = v_mul_add(v_add(v_abs(origin), v_abs(end)), v_set1(0x1p-22f), v_set1(0x1p-126f));
         lo = v_min(v_select(among, v_min(v_sub(end, slack), origin), v_set1(INFINITY)), lo);
         hi = v_max(v_select(among, v_max(v_add(end, slack), origin), v_set1(-INFINITY)), hi);
     }
-    search->lo[k] = v_hmin(lo);
-    search->hi[k] = v_hmax(hi);
+    search->hull.lo[k] = v_hmin(lo);
+    search->hull.hi[k] = v_hmax(hi);
 }
 
 /* Do these rays of a packet start at one point? If the packet has an apex, fills its rows of origins with it. */
@@ -112,9 +117,9 @@ MLRT_INLINE int find_origin(struct mlrt_packet *packet, uint32_t lanes, float or
     const uint32_t first = mlrt_lowest_bit(lanes);
     uint32_t others = 0;
     for (int k = 0; k < 3; ++k) {
-        origin[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][first];
+        origin[k] = packet->has.apex ? packet->apex[k] : packet->origin[k][first];
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            if (packet->has_apex) v_store(packet->origin[k] + v, v_set1(origin[k]));
+            if (packet->has.apex) v_store(packet->origin[k] + v, v_set1(origin[k]));
             others |= (~m_bits(v_eq(v_load(packet->origin[k] + v), v_set1(origin[k]))) & ALL_LANES) << v;
         }
     }
@@ -138,8 +143,8 @@ static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes
     set_reciprocals(packet, &search->reciprocals);
     search->alive = lanes;
     search->count = 0;
-    search->least_t_min = lowest_of(packet->t_min, lanes);
-    search->farthest = finite_limit(highest_of(packet->hi, lanes));
+    search->hull.least_t_min = lowest_of(packet->t_min, lanes);
+    search->hull.farthest = finite_limit(highest_of(packet->nearest.hi, lanes));
     search->one_origin = find_origin(packet, lanes, search->origin);
     vf reach = v_set1(0);
     for (int k = 0; k < 3; ++k) {
@@ -152,17 +157,17 @@ static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes
         }
         negative &= lanes;
         search->negative[k] = negative;
-        search->agree[k] = !(zero & lanes) && (!negative || negative == lanes);
-        if (!search->agree[k]) {
+        search->hull.agree[k] = !(zero & lanes) && (!negative || negative == lanes);
+        if (!search->hull.agree[k]) {
             bound_along(packet, lanes, k, search);
             continue;
         }
-        search->lo[k] = lowest_of(packet->origin[k], lanes);
-        search->hi[k] = highest_of(packet->origin[k], lanes);
+        search->hull.lo[k] = lowest_of(packet->origin[k], lanes);
+        search->hull.hi[k] = highest_of(packet->origin[k], lanes);
         const float *smaller = negative ? search->reciprocals.far[k] : search->reciprocals.near[k];
         const float *larger = negative ? search->reciprocals.near[k] : search->reciprocals.far[k];
-        search->reciprocal_lo[k] = lowest_of(smaller, lanes);
-        search->reciprocal_hi[k] = highest_of(larger, lanes);
+        search->hull.reciprocal_lo[k] = lowest_of(smaller, lanes);
+        search->hull.reciprocal_hi[k] = highest_of(larger, lanes);
     }
     search->reach = 4 * v_hmax(reach);
 }
@@ -172,14 +177,14 @@ MLRT_INLINE uint32_t boxes_of_lanes(const struct lanes_search *search, const str
 {
     uint32_t met = 0;
     for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
-        vf first = v_set1(search->least_t_min), last = v_set1(farthest);
+        vf first = v_set1(search->hull.least_t_min), last = v_set1(farthest);
         vm may = v_le(v_load(node->lo[0] + v), v_load(node->hi[0] + v));
         for (int k = 0; k < 3; ++k) {
             const vf least = v_load(node->lo[k] + v), greatest = v_load(node->hi[k] + v);
-            const vf from = v_set1(search->lo[k]), to = v_set1(search->hi[k]);
-            if (search->agree[k]) {
+            const vf from = v_set1(search->hull.lo[k]), to = v_set1(search->hull.hi[k]);
+            if (search->hull.agree[k]) {
                 const int down = search->negative[k] != 0;
-                const vf lo = v_set1(search->reciprocal_lo[k]), hi = v_set1(search->reciprocal_hi[k]);
+                const vf lo = v_set1(search->hull.reciprocal_lo[k]), hi = v_set1(search->hull.reciprocal_hi[k]);
                 const vf near = down ? v_sub(greatest, from) : v_sub(least, to);
                 const vf far = down ? v_sub(least, to) : v_sub(greatest, from);
                 first = v_max(v_min(v_mul(near, lo), v_mul(near, hi)), first);
@@ -204,7 +209,7 @@ MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struc
     uint32_t met = 0;
     vf nearest = v_set1(INFINITY);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        vf first = v_load(packet->t_min + v), last = v_min(v_load(packet->hi + v), v_set1(FLT_MAX));
+        vf first = v_load(packet->t_min + v), last = v_min(v_load(packet->nearest.hi + v), v_set1(FLT_MAX));
         MLRT_UNROLL
         for (int k = 0; k < 3; ++k) {
             const vf lo = v_set1(node->lo[k][place]), hi = v_set1(node->hi[k][place]);
@@ -259,7 +264,7 @@ MLRT_INLINE void push_by_lanes(const struct mlrt_packet *packet, const struct ml
         }
         for (uint32_t left = lanes; left; left &= left - 1) {
             const uint32_t lane = mlrt_lowest_bit(left);
-            vf first = v_set1(packet->t_min[lane]), last = v_set1(finite_limit(packet->hi[lane]));
+            vf first = v_set1(packet->t_min[lane]), last = v_set1(finite_limit(packet->nearest.hi[lane]));
             MLRT_UNROLL
             for (uint32_t k = 0; k < 3; ++k) {
                 const uint32_t down = (search->negative[k] >> lane & 1) * 3;
@@ -298,7 +303,8 @@ MLRT_INLINE void push_lanes(const struct mlrt_packet *packet, const struct mlrt_
     const uint32_t lane_count = mlrt_count_bits(lanes);
     uint32_t boxes = 0xFFFF;
     if (lane_count > FEW_FOR_HULL) {
-        boxes = boxes_of_lanes(search, node, any ? search->farthest : finite_limit(highest_of(packet->hi, lanes)));
+        boxes = boxes_of_lanes(search, node,
+                               any ? search->hull.farthest : finite_limit(highest_of(packet->nearest.hi, lanes)));
     }
     if (lane_count <= mlrt_count_bits(boxes)) {
         push_by_lanes(packet, node, lanes, any, search);
@@ -396,7 +402,7 @@ MLRT_INLINE uint32_t test_triangle_from_origin(const struct mlrt_job *job, const
     test.distance = v_set1(terms->distance[place]);
     test.distance_bound = v_set1(terms->distance_bound[place]);
     const struct verdict verdict = compare_distances(&test, candidates, v_load(packet->t_min + v),
-                                                     v_load(packet->lo + v), v_load(packet->hi + v), 0);
+                                                     v_load(packet->nearest.lo + v), v_load(packet->nearest.hi + v), 0);
     keep_verdict(&verdict, number, v, packet, &outcome);
     if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;
     return outcome.nearer | decide_scaled_lanes(job, number, outcome.undecided, outcome.inside, packet, worker);
@@ -406,7 +412,7 @@ MLRT_INLINE uint32_t test_triangle_from_origin(const struct mlrt_job *job, const
 static MLRT_NOINLINE uint32_t lanes_by_masks(const struct mlrt_job *job, const struct mlrt_worker *worker,
                                              const struct mlrt_packet *packet, uint32_t number, uint32_t lanes)
 {
-    if (packet->has_masks) return mlrt_seeing_lanes(job->tree, number, packet->mask, lanes);
+    if (packet->has.masks) return mlrt_seeing_lanes(job->tree, number, packet->mask, lanes);
     return mlrt_is_hidden(job->tree, number, worker->mask) ? 0 : lanes;
 }
 
@@ -414,7 +420,7 @@ static MLRT_NOINLINE uint32_t lanes_by_masks(const struct mlrt_job *job, const s
 MLRT_INLINE uint32_t lanes_that_see(const struct mlrt_job *job, const struct mlrt_worker *worker,
                                     const struct mlrt_packet *packet, uint32_t number, uint32_t lanes)
 {
-    if (MLRT_LIKELY(!packet->has_masks && worker->mask == MLRT_MASK_ALL)) return lanes;
+    if (MLRT_LIKELY(!packet->has.masks && worker->mask == MLRT_MASK_ALL)) return lanes;
     return lanes_by_masks(job, worker, packet, number, lanes);
 }
 
@@ -524,8 +530,9 @@ static MLRT_NOINLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job,
         const vm candidates = may_be_inside(&test, active);
         if (!m_bits(candidates)) continue;
         set_plane_by_sides(term, to, &test);
-        const struct verdict verdict = compare_distances(&test, candidates, v_load(packet->t_min + v),
-                                                         v_load(packet->lo + v), v_load(packet->hi + v), 0);
+        const struct verdict verdict =
+            compare_distances(&test, candidates, v_load(packet->t_min + v), v_load(packet->nearest.lo + v),
+                              v_load(packet->nearest.hi + v), 0);
         keep_verdict(&verdict, number, v, packet, &outcome);
     }
     if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;
@@ -540,7 +547,7 @@ static MLRT_NOINLINE void trace_few_lanes(const struct mlrt_job *job, uint32_t c
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
         trace_single(job, &search->reciprocals, lane, child, packet, worker);
-        if (job->any && packet->triangle[lane] != MLRT_NONE) search->alive &= ~(1u << lane);
+        if (job->any && packet->nearest.triangle[lane] != MLRT_NONE) search->alive &= ~(1u << lane);
     }
 }
 
@@ -651,7 +658,7 @@ static void trace_lanes_in_units(const struct mlrt_job *job, uint32_t lanes, str
             if (!job->any) {
                 uint32_t before = 0;
                 for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-                    before |= m_bits(v_le(v_set1(top->near), v_load(packet->hi + v))) << v;
+                    before |= m_bits(v_le(v_set1(top->near), v_load(packet->nearest.hi + v))) << v;
                 }
                 lanes &= before;
                 if (!lanes) continue;

@@ -143,10 +143,10 @@ MLRT_INLINE void set_up_vector_by(const struct bundle_corners *corners, uint32_t
     const vf distance = dot_product(corners->to[0], normal);
     const vf other = v_max(v_abs(corners->to[0][1]), v_abs(corners->to[0][2]));
     MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) v_store(leaf->normal[k] + v, v_flip(normal[k], distance));
-    v_store(leaf->distance + v, v_abs(distance));
-    v_store(leaf->away + v, v_max(v_abs(corners->to[0][0]), v_mul(other, v_set1(2))));
-    leaf->flipped |= m_bits(v_lt(v_flip(v_set1(1), distance), v_set1(0))) << v;
+    for (int k = 0; k < 3; ++k) v_store(leaf->planes.normal[k] + v, v_flip(normal[k], distance));
+    v_store(leaf->planes.distance + v, v_abs(distance));
+    v_store(leaf->planes.away + v, v_max(v_abs(corners->to[0][0]), v_mul(other, v_set1(2))));
+    leaf->state.flipped |= m_bits(v_lt(v_flip(v_set1(1), distance), v_set1(0))) << v;
     MLRT_UNROLL
     for (int i = 0; i < 3; ++i) {
         vf cross[3];
@@ -154,16 +154,16 @@ MLRT_INLINE void set_up_vector_by(const struct bundle_corners *corners, uint32_t
         const vf least = v_max(v_mul(length, v_set1(0x1p-20f)), v_set1(SMALLEST_SIZE));
         const vf size = v_div(v_set1(1), cross_with_size(corners->to[i], g[i], least, cross)),
                  factor = v_flip(size, distance);
-        v_store(leaf->edge_constant[i] + v, v_mul(cross[0], factor));
-        v_store(leaf->edge[i][MLRT_SLOPE_J] + v, v_mul(cross[1], factor));
-        v_store(leaf->edge[i][MLRT_SLOPE_L] + v, v_mul(cross[2], factor));
+        v_store(leaf->edges.constant[i] + v, v_mul(cross[0], factor));
+        v_store(leaf->edges.coefficient[i][MLRT_SLOPE_J] + v, v_mul(cross[1], factor));
+        v_store(leaf->edges.coefficient[i][MLRT_SLOPE_L] + v, v_mul(cross[2], factor));
         if (!has_places) continue;
-        v_store(leaf->edge[i][MLRT_PLACE_J] + v, v_sub(v_set1(0), v_mul(g[i][2], factor)));
-        v_store(leaf->edge[i][MLRT_PLACE_L] + v, v_mul(g[i][1], factor));
-        v_store(leaf->edge[i][MLRT_MOMENT] + v, v_mul(g[i][0], factor));
+        v_store(leaf->edges.coefficient[i][MLRT_PLACE_J] + v, v_sub(v_set1(0), v_mul(g[i][2], factor)));
+        v_store(leaf->edges.coefficient[i][MLRT_PLACE_L] + v, v_mul(g[i][1], factor));
+        v_store(leaf->edges.coefficient[i][MLRT_MOMENT] + v, v_mul(g[i][0], factor));
         steepness = v_max(v_mul(length, size), steepness);
     }
-    v_store(leaf->steepness + v, steepness);
+    v_store(leaf->edges.steepness + v, steepness);
 }
 
 static MLRT_NOINLINE void set_up_bundle_vector(const struct bundle_corners *corners, uint32_t v, int has_places,
@@ -179,12 +179,13 @@ static MLRT_NOINLINE void set_up_bundle_vector(const struct bundle_corners *corn
 /* Negates all coefficients of the triangle at a place. */
 static void flip_triangle(struct mlrt_bundle_leaf *leaf, uint32_t place)
 {
-    leaf->flipped ^= 1u << place;
-    leaf->distance[place] = -leaf->distance[place];
+    leaf->state.flipped ^= 1u << place;
+    leaf->planes.distance[place] = -leaf->planes.distance[place];
     for (int i = 0; i < 3; ++i) {
-        leaf->normal[i][place] = -leaf->normal[i][place];
-        leaf->edge_constant[i][place] = -leaf->edge_constant[i][place];
-        for (int term = 0; term < MLRT_RAY_TERMS; ++term) leaf->edge[i][term][place] = -leaf->edge[i][term][place];
+        leaf->planes.normal[i][place] = -leaf->planes.normal[i][place];
+        leaf->edges.constant[i][place] = -leaf->edges.constant[i][place];
+        for (int term = 0; term < MLRT_RAY_TERMS; ++term)
+            leaf->edges.coefficient[i][term][place] = -leaf->edges.coefficient[i][term][place];
     }
 }
 
@@ -219,13 +220,13 @@ static MLRT_NOINLINE void set_odd_outline(const struct mlrt_tree *tree, const st
         near = fmin(depth, near);
         far = fmax(depth, far);
     }
-    leaf->near[place] = mlrt_low_bound(near);
-    leaf->far[place] = -mlrt_low_bound(-far);
-    leaf->fans &= ~(1u << place);
-    leaf->weight[place] = 0;
+    leaf->outline.near[place] = mlrt_low_bound(near);
+    leaf->outline.far[place] = -mlrt_low_bound(-far);
+    leaf->state.fans &= ~(1u << place);
+    leaf->outline.weight[place] = 0;
     for (int i = 0; i < 2; ++i) {
-        leaf->outline_lo[i][place] = -INFINITY;
-        leaf->outline_hi[i][place] = INFINITY;
+        leaf->outline.lo[i][place] = -INFINITY;
+        leaf->outline.hi[i][place] = INFINITY;
     }
 }
 
@@ -254,25 +255,25 @@ static MLRT_NOINLINE void set_up_odd_triangle(const struct mlrt_tree *tree, cons
     for (int i = 0; i < 3; ++i) {
         const double length = fabs(g[i][0]) + fabs(g[i][1]) + fabs(g[i][2]);
         const double scale = 1 / cross_doubles_with_size(to[i], g[i], length * 0x1p-20, cross, size);
-        leaf->edge_constant[i][place] = (float)(cross[0] * scale);
-        leaf->edge[i][MLRT_SLOPE_J][place] = (float)(cross[1] * scale);
-        leaf->edge[i][MLRT_SLOPE_L][place] = (float)(cross[2] * scale);
-        leaf->edge[i][MLRT_PLACE_J][place] = (float)(-g[i][2] * scale);
-        leaf->edge[i][MLRT_PLACE_L][place] = (float)(g[i][1] * scale);
-        leaf->edge[i][MLRT_MOMENT][place] = (float)(g[i][0] * scale);
+        leaf->edges.constant[i][place] = (float)(cross[0] * scale);
+        leaf->edges.coefficient[i][MLRT_SLOPE_J][place] = (float)(cross[1] * scale);
+        leaf->edges.coefficient[i][MLRT_SLOPE_L][place] = (float)(cross[2] * scale);
+        leaf->edges.coefficient[i][MLRT_PLACE_J][place] = (float)(-g[i][2] * scale);
+        leaf->edges.coefficient[i][MLRT_PLACE_L][place] = (float)(g[i][1] * scale);
+        leaf->edges.coefficient[i][MLRT_MOMENT][place] = (float)(g[i][0] * scale);
         steepness = fmax(length * scale, steepness);
     }
-    leaf->steepness[place] = (float)(steepness * (1 + 0x1p-22));
+    leaf->edges.steepness[place] = (float)(steepness * (1 + 0x1p-22));
     const double scale = 1 / cross_doubles_with_size(g[2], g[0], 0, cross, size);
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        leaf->normal[k][place] = (float)(cross[k] * scale);
+        leaf->planes.normal[k][place] = (float)(cross[k] * scale);
         distance += to[0][k] * (cross[k] * scale);
         error += fabs(to[0][k]) * (size[k] * scale) * 0x1p-49;
     }
-    leaf->distance[place] = float_or_infinity(distance);
-    leaf->away[place] = float_or_infinity(fabs(distance) + error * 0x1p20);
-    leaf->flipped &= ~(1u << place);
+    leaf->planes.distance[place] = float_or_infinity(distance);
+    leaf->planes.away[place] = float_or_infinity(fabs(distance) + error * 0x1p20);
+    leaf->state.flipped &= ~(1u << place);
     if (distance < 0) flip_triangle(leaf, place);
 }
 
@@ -281,11 +282,11 @@ MLRT_INLINE uint32_t doubtful_places(const struct mlrt_bundle_leaf *leaf)
 {
     uint32_t doubtful = 0;
     for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
-        if (!(leaf->there >> v & ALL_LANES)) continue;
-        const vf bound = v_mul_add(v_load(leaf->away + v), v_set1(DISTANCE_ERROR), v_set1(DISTANCE_FLOOR));
-        doubtful |= (~m_bits(v_gt(v_load(leaf->distance + v), bound)) & ALL_LANES) << v;
+        if (!(leaf->state.there >> v & ALL_LANES)) continue;
+        const vf bound = v_mul_add(v_load(leaf->planes.away + v), v_set1(DISTANCE_ERROR), v_set1(DISTANCE_FLOOR));
+        doubtful |= (~m_bits(v_gt(v_load(leaf->planes.distance + v), bound)) & ALL_LANES) << v;
     }
-    return doubtful & leaf->there;
+    return doubtful & leaf->state.there;
 }
 
 /*
@@ -297,14 +298,14 @@ static MLRT_NOINLINE void settle_signs(const struct mlrt_tree *tree, const struc
 {
     float eye[3]; /* the waist, not in units: this division is exact, as the waist is the origin of a ray */
     for (int k = 0; k < 3; ++k) eye[k] = waist->point[k] / tree->bvh.unit;
-    for (; leaf->doubtful; leaf->doubtful &= leaf->doubtful - 1) {
-        const uint32_t place = mlrt_lowest_bit(leaf->doubtful);
+    for (; leaf->state.doubtful; leaf->state.doubtful &= leaf->state.doubtful - 1) {
+        const uint32_t place = mlrt_lowest_bit(leaf->state.doubtful);
         /* With the waist's sign +1, N has the sign of -side. */
         const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, leaf->numbers[place]);
         const int side = mlrt_side_of_plane(&triangle, eye);
         if (side == 0) {
-            leaf->from_waist &= ~(1u << place);
-        } else if ((leaf->flipped >> place & 1) != ((side > 0) == (waist->sign > 0))) {
+            leaf->state.from_waist &= ~(1u << place);
+        } else if ((leaf->state.flipped >> place & 1) != ((side > 0) == (waist->sign > 0))) {
             flip_triangle(leaf, place);
         }
     }
@@ -327,21 +328,23 @@ static MLRT_NOINLINE void begin_bundle_leaf(const struct mlrt_tree *tree, const 
     leaf->axis = axis_code(waist);
     leaf->row = row;
     leaf->has_places = has_places;
-    leaf->there = leaf->flipped = leaf->ready = leaf->fans = leaf->doubtful = leaf->odd = 0;
+    leaf->state.there = leaf->state.flipped = leaf->state.ready = leaf->state.fans = leaf->state.doubtful =
+        leaf->state.odd = 0;
     for (uint32_t v = 0; v < row; v += VW) {
         struct bundle_corners of;
         load_bundle_corners(waist, leaf->corners, row, v, &of);
         set_outlines(waist, (const vf(*)[3])of.to, v, leaf);
-        leaf->there |= (~m_bits(i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE))) & ALL_LANES) << v;
-        leaf->odd |= (~m_bits(v_eq(of.from[0][0], of.from[0][0])) & ALL_LANES) << v;
+        leaf->state.there |= (~m_bits(i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE))) & ALL_LANES) << v;
+        leaf->state.odd |= (~m_bits(v_eq(of.from[0][0], of.from[0][0])) & ALL_LANES) << v;
     }
-    leaf->there &= 0xFFFFu >> (MLRT_BVH_LEAF_LIMIT - row);
-    leaf->odd &= leaf->there;
-    for (uint32_t odd = leaf->odd; MLRT_UNLIKELY(odd != 0); odd &= odd - 1) {
+    leaf->state.there &= 0xFFFFu >> (MLRT_BVH_LEAF_LIMIT - row);
+    leaf->state.odd &= leaf->state.there;
+    for (uint32_t odd = leaf->state.odd; MLRT_UNLIKELY(odd != 0); odd &= odd - 1) {
         set_odd_outline(tree, waist, mlrt_lowest_bit(odd), leaf);
     }
-    if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) leaf->there = mlrt_visible_places(tree, leaf->numbers, leaf->there, mask);
-    leaf->from_waist = leaf->there;
+    if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL))
+        leaf->state.there = mlrt_visible_places(tree, leaf->numbers, leaf->state.there, mask);
+    leaf->state.from_waist = leaf->state.there;
 }
 
 /* Sets the coefficients of the triangles `wanted`, and of those that share a vector with them. */
@@ -350,17 +353,17 @@ static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const s
 {
     uint32_t now = 0;
     for (uint32_t v = 0; v < leaf->row; v += VW) {
-        if (!((wanted & ~leaf->ready) >> v & ALL_LANES)) continue;
+        if (!((wanted & ~leaf->state.ready) >> v & ALL_LANES)) continue;
         struct bundle_corners of;
         load_bundle_corners(waist, leaf->corners, leaf->row, v, &of);
         set_up_bundle_vector(&of, v, leaf->has_places, leaf);
         now |= (ALL_LANES & 0xFFFF) << v;
     }
-    for (uint32_t odd = leaf->odd & now; MLRT_UNLIKELY(odd != 0); odd &= odd - 1) {
+    for (uint32_t odd = leaf->state.odd & now; MLRT_UNLIKELY(odd != 0); odd &= odd - 1) {
         set_up_odd_triangle(tree, waist, mlrt_lowest_bit(odd), leaf);
     }
-    leaf->ready |= now;
-    leaf->doubtful |= doubtful_places(leaf) & now;
+    leaf->state.ready |= now;
+    leaf->state.doubtful |= doubtful_places(leaf) & now;
 }
 
 /* The entry of a cache that may have the set-up of a leaf. */
@@ -375,7 +378,7 @@ MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle *bundle, uint32_t child
     const uint32_t place = place_of_leaf(child, bundle->cache);
     const struct mlrt_bundle_leaf *leaf = &bundle->cache->leaves[place];
     return bundle->cache->children[place] == child && leaf->axis == axis_code(&bundle->waist) &&
-           leaf->has_places >= bundle->has_places;
+           leaf->has_places >= bundle->has.places;
 }
 
 /*
@@ -392,16 +395,16 @@ MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_jo
     const uint32_t place = place_of_leaf(child, cache);
     struct mlrt_bundle_leaf *leaf = &cache->leaves[place];
     if (!has_bundle_leaf(bundle, child)) {
-        begin_bundle_leaf(job->tree, &bundle->waist, bundle->has_places, child, worker->mask, leaf);
+        begin_bundle_leaf(job->tree, &bundle->waist, bundle->has.places, child, worker->mask, leaf);
         cache->children[place] = child;
     }
     struct hull_outline whole;
     outline_whole(bundle, &whole);
-    *seen = triangles_met(bundle, leaf, &whole, has_places, has_places ? leaf->there : leaf->from_waist);
-    if (*seen & ~leaf->ready) set_up_triangles(job->tree, &bundle->waist, *seen & ~leaf->ready, leaf);
-    if (MLRT_UNLIKELY(leaf->doubtful != 0) && !has_places) {
+    *seen = triangles_met(bundle, leaf, &whole, has_places, has_places ? leaf->state.there : leaf->state.from_waist);
+    if (*seen & ~leaf->state.ready) set_up_triangles(job->tree, &bundle->waist, *seen & ~leaf->state.ready, leaf);
+    if (MLRT_UNLIKELY(leaf->state.doubtful != 0) && !has_places) {
         settle_signs(job->tree, &bundle->waist, leaf);
-        *seen &= leaf->from_waist;
+        *seen &= leaf->state.from_waist;
     }
     return leaf;
 }
@@ -433,8 +436,8 @@ MLRT_INLINE void bound_over_hull(const struct mlrt_hulls *hulls, uint32_t place,
     MLRT_UNROLL
     for (int i = 0; i < term_count; ++i) {
         const vf c = v_load(coefficient[i]);
-        middle = v_mul_add(c, v_set1(hulls->middle[i][place]), middle);
-        radius = v_mul_add(v_abs(c), v_set1(hulls->radius[i][place]), radius);
+        middle = v_mul_add(c, v_set1(hulls->filter.middle[i][place]), middle);
+        radius = v_mul_add(v_abs(c), v_set1(hulls->filter.radius[i][place]), radius);
     }
     *least = v_sub(middle, radius);
     *greatest = v_add(middle, radius);
@@ -443,9 +446,9 @@ MLRT_INLINE void bound_over_hull(const struct mlrt_hulls *hulls, uint32_t place,
 /* Error bounds of the edge functions of a vector of triangles, for the rays of a packet (L5). */
 MLRT_INLINE vf edge_bounds(const struct mlrt_hulls *hulls, uint32_t place, vf steepness, int has_places)
 {
-    const vf bound = v_set1(EDGE_ERROR * hulls->reach[place]);
+    const vf bound = v_set1(EDGE_ERROR * hulls->filter.reach[place]);
     if (!has_places || MLRT_GUESS) return bound;
-    return v_mul_add(steepness, v_set1(hulls->blur[place] * hulls->reach[place]), bound);
+    return v_mul_add(steepness, v_set1(hulls->filter.blur[place] * hulls->filter.reach[place]), bound);
 }
 
 /*
@@ -464,19 +467,20 @@ MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, co
         vf lowest = v_set1(INFINITY), highest = v_set1(-INFINITY), least, greatest;
         MLRT_UNROLL
         for (int i = 0; i < 3; ++i) {
-            bound_over_hull(hulls, place, leaf->edge_constant[i] + v,
-                            (const float(*)[MLRT_BVH_LEAF_LIMIT])(leaf->edge[i][0] + v), term_count, &least, &greatest);
+            bound_over_hull(hulls, place, leaf->edges.constant[i] + v,
+                            (const float(*)[MLRT_BVH_LEAF_LIMIT])(leaf->edges.coefficient[i][0] + v), term_count,
+                            &least, &greatest);
             lowest = v_min(greatest, lowest);
             highest = v_max(least, highest);
         }
-        const vf bound = v_mul(edge_bounds(hulls, place, v_load(leaf->steepness + v), has_places), v_set1(2));
+        const vf bound = v_mul(edge_bounds(hulls, place, v_load(leaf->edges.steepness + v), has_places), v_set1(2));
         if (!has_places) {
             met |= (~m_bits(v_lt(lowest, v_sub(v_set1(0), bound))) & ALL_LANES) << v;
             continue;
         }
-        bound_over_hull(hulls, place, leaf->normal[0] + v, (const float(*)[MLRT_BVH_LEAF_LIMIT])(leaf->normal[1] + v),
-                        2, &least, &greatest);
-        const vf width = v_set1(2 * PLANE_BOUND * hulls->reach[place]);
+        bound_over_hull(hulls, place, leaf->planes.normal[0] + v,
+                        (const float(*)[MLRT_BVH_LEAF_LIMIT])(leaf->planes.normal[1] + v), 2, &least, &greatest);
+        const vf width = v_set1(2 * PLANE_BOUND * hulls->filter.reach[place]);
         const vm below = v_lt(lowest, v_sub(v_set1(0), bound)), above = v_gt(highest, bound);
         const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(v_set1(0), width));
         const vm out = m_or(m_and(below, m_or(above, forward)), m_and(above, backward));
@@ -513,7 +517,7 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
     MLRT_UNROLL
     for (int n = 0; n < count; ++n) {
         const int v = VW * (first + n);
-        skip[n] = packet->has_skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
+        skip[n] = packet->has.skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
         const vm lanes = m_from_bits(packet->active >> v);
         MLRT_UNROLL
         for (int i = 0; i < term_count; ++i) term[n][i] = v_select(lanes, v_load(rays->term[i] + v), v_set1(NAN));
@@ -525,10 +529,10 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
         for (int edge = 0; edge < 3; ++edge) {
             vf e[PACKET_VECTORS];
             MLRT_UNROLL
-            for (int n = 0; n < count; ++n) e[n] = v_set1(leaf->edge_constant[edge][triangle]);
+            for (int n = 0; n < count; ++n) e[n] = v_set1(leaf->edges.constant[edge][triangle]);
             MLRT_UNROLL
             for (int i = 0; i < term_count; ++i) {
-                const vf c = v_set1(leaf->edge[edge][i][triangle]);
+                const vf c = v_set1(leaf->edges.coefficient[edge][i][triangle]);
                 MLRT_UNROLL
                 for (int n = 0; n < count; ++n) e[n] = v_mul_add(c, term[n][i], e[n]);
             }
@@ -577,7 +581,7 @@ MLRT_INLINE void load_nearest_hits(const struct mlrt_bundle_rays *rays, const st
     nearest->least_n = v_load(rays->lo + v);
     nearest->greatest_n = v_load(rays->hi + v);
     nearest->least_d = nearest->greatest_d = v_set1(1);
-    nearest->triangle = i_load(packet->triangle + v);
+    nearest->triangle = i_load(packet->nearest.triangle + v);
 }
 
 MLRT_INLINE void load_bundle_vector(const struct mlrt_bundle_rays *rays, const struct mlrt_packet *packet,
@@ -602,14 +606,14 @@ MLRT_INLINE void find_quotients(vf least_n, vf greatest_n, vf least_d, vf greate
 MLRT_INLINE uint32_t store_nearest_hits(const struct nearest_hits *nearest, int v, struct mlrt_bundle_rays *rays,
                                         struct mlrt_packet *packet)
 {
-    const vm same = i_eq(nearest->triangle, i_load(packet->triangle + v));
+    const vm same = i_eq(nearest->triangle, i_load(packet->nearest.triangle + v));
     const uint32_t changed = ~m_bits(same) & ALL_LANES;
     if (!changed) return 0;
     vf lo, hi;
     find_quotients(nearest->least_n, nearest->greatest_n, nearest->least_d, nearest->greatest_d, &lo, &hi);
     v_store(rays->lo + v, v_select(same, v_load(rays->lo + v), lo));
     v_store(rays->hi + v, v_select(same, v_load(rays->hi + v), hi));
-    i_store(packet->triangle + v, nearest->triangle);
+    i_store(packet->nearest.triangle + v, nearest->triangle);
     return changed << v;
 }
 
@@ -629,14 +633,14 @@ static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *ra
 {
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf pace = v_load(rays->pace + v), t_max = v_load(packet->t_max + v);
-        const vm none = i_eq(i_load(packet->triangle + v), i_set1(MLRT_NONE));
+        const vm none = i_eq(i_load(packet->nearest.triangle + v), i_set1(MLRT_NONE));
         /* Where |d_main| is large, t may be denormal, and its least step is a large one in depth. */
         const vf floor = v_select(v_gt(pace, v_set1(MLRT_SAFE_MAX)), v_set1(0x1p-147f), v_set1(CONVERSION_FLOOR));
         const vf near = v_sub(v_mul(v_div(v_load(rays->lo + v), pace), v_set1(1 - RECIPROCAL_SLACK)), floor);
         const vf lo = v_max(v_min(near, v_set1(FLT_MAX)), v_set1(0));
         const vf hi = v_add(v_mul(v_div(v_load(rays->hi + v), pace), v_set1(1 + RECIPROCAL_SLACK)), floor);
-        v_store(packet->lo + v, v_select(none, t_max, lo));
-        v_store(packet->hi + v, v_select(none, t_max, hi));
+        v_store(packet->nearest.lo + v, v_select(none, t_max, lo));
+        v_store(packet->nearest.hi + v, v_select(none, t_max, hi));
         MLRT_UNROLL
         for (int k = 0; k < 3; ++k)
             v_store(packet->direction[k] + v, v_add(v_load(packet->direction[k] + v), v_set1(0)));
@@ -646,7 +650,7 @@ static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *ra
 /* Sets the bounds of tau of a lane from those of t. */
 MLRT_INLINE void set_lane_depths(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_bundle_rays *rays)
 {
-    const float lo = packet->lo[lane] * rays->pace[lane], hi = packet->hi[lane] * rays->pace[lane];
+    const float lo = packet->nearest.lo[lane] * rays->pace[lane], hi = packet->nearest.hi[lane] * rays->pace[lane];
     const float near = lo * (1 - RECIPROCAL_SLACK) - CONVERSION_FLOOR;
     rays->lo[lane] = near < GREATEST_DISTANCE ? near : GREATEST_DISTANCE;
     rays->hi[lane] = hi * (1 + RECIPROCAL_SLACK) + CONVERSION_FLOOR;
@@ -701,12 +705,13 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
                                     const struct plane_bounds *bounds, const float *begin, int has_places,
                                     vm candidates, vm inside, struct bundle_vector *of, struct plane_of_rays *plane)
 {
-    vf n = v_set1(leaf->distance[triangle]), d = v_set1(leaf->normal[0][triangle]);
+    vf n = v_set1(leaf->planes.distance[triangle]), d = v_set1(leaf->planes.normal[0][triangle]);
     MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) d = v_mul_add(v_set1(leaf->normal[1 + i][triangle]), of->slope[i], d);
+    for (int i = 0; i < 2; ++i) d = v_mul_add(v_set1(leaf->planes.normal[1 + i][triangle]), of->slope[i], d);
     MLRT_UNROLL
-    for (int i = 0; has_places && i < 3; ++i) n = v_mul_add(v_set1(leaf->normal[i][triangle]), of->to_waist[i], n);
-    const float error = DISTANCE_ERROR * (leaf->away[triangle] + bounds->away) + DISTANCE_FLOOR;
+    for (int i = 0; has_places && i < 3; ++i)
+        n = v_mul_add(v_set1(leaf->planes.normal[i][triangle]), of->to_waist[i], n);
+    const float error = DISTANCE_ERROR * (leaf->planes.away[triangle] + bounds->away) + DISTANCE_FLOOR;
     const vf size = has_places ? v_abs(d) : d, distance = has_places ? v_flip(n, d) : n, width = bounds->width;
     plane->least_d = v_sub(size, width);
     plane->greatest_d = v_add(size, width);
@@ -738,11 +743,12 @@ MLRT_INLINE vf find_line_values(const struct mlrt_pair_line *line, const struct 
                                 int v, vf *bound)
 {
     const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
-    const float reach = bundle->hulls.reach[place], blur = bundle->has_places ? bundle->hulls.blur[place] : 0;
+    const float reach = bundle->hulls.filter.reach[place],
+                blur = bundle->has.places ? bundle->hulls.filter.blur[place] : 0;
     vf f = v_set1(line->constant);
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) f = v_mul_add(v_set1(line->coefficient[i]), v_load(rays->term[i] + v), f);
-    for (int i = 2; bundle->has_places && i < MLRT_RAY_TERMS; ++i) {
+    for (int i = 2; bundle->has.places && i < MLRT_RAY_TERMS; ++i) {
         f = v_mul_add(v_set1(line->coefficient[i]), v_load(rays->term[i] + v), f);
     }
     *bound = v_set1((line->error + line->steepness * blur) * reach * (1 + SLOPE_SLACK));
@@ -762,7 +768,7 @@ MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) d = v_mul_add(v_set1(line->normal[1 + i]), v_load(rays->term[i] + v), d);
     const vf signed_f = v_flip(f, d);
-    const vm sure = v_gt(v_abs(d), v_set1(PLANE_BOUND * bundle->hulls.reach[place]));
+    const vm sure = v_gt(v_abs(d), v_set1(PLANE_BOUND * bundle->hulls.filter.reach[place]));
     *above = m_and(sure, v_gt(signed_f, bound));
     *below = m_and(sure, v_lt(signed_f, v_sub(v_set1(0), bound)));
 }
@@ -817,8 +823,8 @@ static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, st
     const uint32_t changed = store_nearest_hits(nearest, v, rays, packet);
     if (job->any) { /* undecided lanes have no hit: their rays end at t_max */
         for (int i = 0; i < MLRT_PACKET_RAYS; i += VW) {
-            v_store(packet->lo + i, v_load(packet->t_max + i));
-            v_store(packet->hi + i, v_load(packet->t_max + i));
+            v_store(packet->nearest.lo + i, v_load(packet->t_max + i));
+            v_store(packet->nearest.hi + i, v_load(packet->t_max + i));
         }
     } else {
         set_packet_distances(rays, packet);
@@ -845,7 +851,7 @@ MLRT_INLINE void measure_n(const struct mlrt_plane *plane, const struct mlrt_pac
     n->value = n->size = d_set1(0);
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        const vd origin = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
+        const vd origin = packet->has.apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
         const vd to = d_sub(d_set1(plane->point[k]), origin);
         n->value = d_mul_add(to, d_set1(plane->normal[k]), n->value);
         n->size = d_mul_add(d_abs(to), d_set1(plane->size[k]), n->size);
@@ -884,7 +890,7 @@ MLRT_INLINE struct sides_of_plane find_sides_of_plane(const struct mlrt_plane *p
     const vd error = d_set1(CLOSE_ERROR), signs = d_set1(sign);
     struct sides_of_plane sides = {0, 0};
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
-        if (!packet->has_apex) measure_n(plane, packet, lane, n);
+        if (!packet->has.apex) measure_n(plane, packet, lane, n);
         struct measured_lanes height = *n;
         if (t) measure_end(plane, packet, t, lane, n, &height);
         const vd value = d_flip(height.value, signs), bound = d_mul(height.size, error);
@@ -913,7 +919,7 @@ static MLRT_NOINLINE uint32_t settle_ends(const struct mlrt_job *job, const stru
     struct mlrt_plane plane;
     const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
     mlrt_set_plane(&triangle, &plane);
-    const float *t = at_end ? packet->t_max : packet->has_limits ? packet->t_min : NULL;
+    const float *t = at_end ? packet->t_max : packet->has.limits ? packet->t_min : NULL;
     struct measured_lanes n;
     measure_n(&plane, packet, 0, &n);
     const struct sides_of_plane sides =
@@ -951,7 +957,7 @@ static MLRT_NOINLINE uint32_t settle_leaf(const struct mlrt_job *job, struct mlr
         const uint32_t number = leaf->numbers[close[i].triangle];
         uint32_t left = close[i].lanes;
         if (mlrt_is_stopped_in_step(worker)) return decided;
-        if (leaf->flipped >> close[i].triangle & 1) {
+        if (leaf->state.flipped >> close[i].triangle & 1) {
             plane->backward = m_andnot(m_from_bits(ALL_LANES), plane->backward);
         }
         if (job->any) {
@@ -975,9 +981,9 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
     const struct mlrt_hulls *hulls = &bundle->hulls;
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
-    const struct plane_bounds bounds = {v_set1(PLANE_BOUND * hulls->reach[place]), has_places ? hulls->away[place] : 0,
-                                        bundle->has_begins};
-    const vi skip = packet->has_skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
+    const struct plane_bounds bounds = {v_set1(PLANE_BOUND * hulls->filter.reach[place]),
+                                        has_places ? hulls->filter.away[place] : 0, bundle->has.begins};
+    const vi skip = packet->has.skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
     uint32_t decided = 0, close_count = 0;
     vf bound = v_set1(edges->bound[0]);
     struct bundle_vector of;
@@ -996,7 +1002,7 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
         }
         may = m_andnot(may, known);
         if (job->any) may = m_and(may, i_eq(of.nearest.triangle, i_set1(MLRT_NONE)));
-        if (MLRT_UNLIKELY(packet->has_masks)) {
+        if (MLRT_UNLIKELY(packet->has.masks)) {
             may = m_from_bits(mlrt_seeing_lanes(job->tree, number, packet->mask, m_bits(may) << v) >> v);
         }
         struct plane_of_rays plane;
@@ -1030,7 +1036,7 @@ MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
     COUNT(&worker->counters, lane_test_count, mlrt_count_bits(triangles) * mlrt_count_bits(packet->active));
     for (int v = 0; v < (has_places ? MLRT_BVH_LEAF_LIMIT : 1); v += VW) {
-        v_store(edges.bound + v, edge_bounds(&bundle->hulls, place, v_load(leaf->steepness + v), has_places));
+        v_store(edges.bound + v, edge_bounds(&bundle->hulls, place, v_load(leaf->edges.steepness + v), has_places));
     }
     if (has_places) {
         for (int first = 0; first < PACKET_VECTORS; first += VECTORS_FROM_ANYWHERE) {
@@ -1044,7 +1050,7 @@ MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_
         if (edges.of_vector[n])
             changed |= test_bundle_vector(job, worker, bundle, leaf, &edges, place, has_places, VW * n);
     }
-    bundle->tests[place] += mlrt_count_bits(triangles & ~met);
+    bundle->state.tests[place] += mlrt_count_bits(triangles & ~met);
     return changed;
 }
 

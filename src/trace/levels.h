@@ -65,9 +65,9 @@ static void find_next_tile(const struct mlrt_source *source, const struct mlrt_r
  */
 MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet)
 {
-    if (!tree->bvh.places || mlrt_same_words(packet->triangle, packet->triangle[0]) == 0xFFFF) return;
+    if (!tree->bvh.places || mlrt_same_words(packet->nearest.triangle, packet->nearest.triangle[0]) == 0xFFFF) return;
     for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const uint32_t number = packet->triangle[lane];
+        const uint32_t number = packet->nearest.triangle[lane];
         if (number != MLRT_NONE) mlrt_prefetch(&tree->bvh.places[number]);
     }
 }
@@ -82,7 +82,7 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
     if (gather_cells(job, &tile->area, 4, bundle)) {
         trace_cells(job, worker, worker->bundles->open_tiles != 0, bundle);
         worker->bundles->open_tiles = worker->bundles->open_tiles ? worker->bundles->open_tiles - 1
-                                      : !bundle->closed           ? MLRT_TILE_RUN
+                                      : !bundle->state.closed     ? MLRT_TILE_RUN
                                                                   : 0;
         return;
     }
@@ -90,7 +90,7 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
     const uint32_t waiting = make_packets(job, tile);
     if (!is_list(&job->source)) mlrt_prefetch_sink(&tile->area, &job->frame);
     trace_bundle(job, worker, bundle, waiting);
-    bundle->closed = 0;
+    bundle->state.closed = 0;
 }
 
 /*
@@ -101,18 +101,18 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
 static void write_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                           const struct mlrt_bundle *bundle)
 {
-    const int has_numbers = (job->frame.numbers | worker->tile.numbers) != 0;
+    const int has_numbers = (job->frame.numbers | worker->sinks.tile.numbers) != 0;
     const int has_rows = !is_list(&job->source);
-    const uint32_t open = tile->blocks & ~bundle->closed;
+    const uint32_t open = tile->blocks & ~bundle->state.closed;
     uint32_t next_x, next_y;
     find_next_tile(&job->source, &tile->area, &next_x, &next_y);
     for (uint32_t left = tile->blocks; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), ahead = place + 2;
         if (has_rows) mlrt_prefetch_row(&job->source, next_x, next_y + place);
         if (has_numbers && open >> ahead & 1) prefetch_triangles(job->tree, &tile->packets[ahead]);
-        if (bundle->closed >> place & 1) {
+        if (bundle->state.closed >> place & 1) {
             const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
-            write_closed(job, worker, bundle->hulls.cover[place], &block);
+            write_closed(job, worker, bundle->hulls.closed.cover[place], &block);
         } else {
             finish_block(job, worker, tile, place);
         }
@@ -127,11 +127,11 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
     struct mlrt_bundle bundle;
     mlrt_begin_tile(area, is_list(&job->source), &tile);
     bundle.tile = &tile;
-    bundle.closed = 0;
+    bundle.state.closed = 0;
     tile.cells = &bundle;
     if (known) {
         gather_cells(job, area, 4, &bundle);
-        mlrt_fill_words(bundle.hulls.cover, known->cover);
+        mlrt_fill_words(bundle.hulls.closed.cover, known->cover);
         write_closed(job, worker, known->cover, area);
     } else {
         trace_packets(job, worker, &bundle);
@@ -145,27 +145,27 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
 {
     struct mlrt_bundle bundle;
     bundle.tile = NULL;
-    bundle.closed = 0;
+    bundle.state.closed = 0;
     if (worker->bundles->open_squares) {
         --worker->bundles->open_squares;
     } else {
         if (gather_cells(job, area, 16, &bundle)) trace_cells(job, worker, 0, &bundle);
-        if (!bundle.closed) worker->bundles->open_squares = MLRT_SQUARE_RUN;
+        if (!bundle.state.closed) worker->bundles->open_squares = MLRT_SQUARE_RUN;
     }
     struct known_lights known[MLRT_CELL_COUNT];
-    uint32_t known_cells = bundle.closed;
-    if (MLRT_UNLIKELY(job->light_count) && bundle.closed) known_cells &= shade_cells(job, worker, &bundle, known);
+    uint32_t known_cells = bundle.state.closed;
+    if (MLRT_UNLIKELY(job->light_count) && bundle.state.closed) known_cells &= shade_cells(job, worker, &bundle, known);
     for (uint32_t j = 0; j < area->height; j += 16) {
         for (uint32_t i = 0; i < area->width; i += 16) {
             const struct mlrt_rectangle tile = mlrt_cut_piece(area, i, j, 16);
-            const uint32_t place = j / 4 + i / 16, cover = bundle.hulls.cover[place];
+            const uint32_t place = j / 4 + i / 16, cover = bundle.hulls.closed.cover[place];
             if (known_cells >> place & 1) {
                 write_closed(job, worker, cover, &tile);
                 if (MLRT_UNLIKELY(job->light_count) && cover != MLRT_NONE) {
                     mlrt_write_picture_shadow(worker, known[place].dark, &tile);
                 }
             } else {
-                trace_ray_tile(job, worker, &tile, bundle.closed >> place & 1 ? &known[place] : NULL);
+                trace_ray_tile(job, worker, &tile, bundle.state.closed >> place & 1 ? &known[place] : NULL);
                 if (mlrt_is_stopped(worker, (double)tile.width * tile.height)) return;
             }
         }

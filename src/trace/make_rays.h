@@ -22,7 +22,7 @@ static void make_picture_rays(const struct mlrt_job *job, struct mlrt_ray_tile *
 /* The lanes of a packet that hit a triangle. */
 MLRT_INLINE uint32_t lanes_with_hit(const struct mlrt_packet *packet)
 {
-    return ~mlrt_same_words(packet->triangle, MLRT_NONE) & 0xFFFF;
+    return ~mlrt_same_words(packet->nearest.triangle, MLRT_NONE) & 0xFFFF;
 }
 
 /* Returns the lanes of a picture's packet that hit a triangle. A closed packet without rays gets its rays first. */
@@ -33,7 +33,7 @@ static uint32_t find_seen(const struct mlrt_job *picture, struct mlrt_ray_tile *
     const uint32_t lanes = mlrt_existing_lanes(&picture->source, &block);
     if (!(seen->made >> place & 1)) {
         make_picture_rays(picture, seen, place);
-        mlrt_fill_words(packet->triangle, seen->cells->hulls.cover[place]);
+        mlrt_fill_words(packet->nearest.triangle, seen->cells->hulls.closed.cover[place]);
     }
     return lanes & lanes_with_hit(packet);
 }
@@ -52,7 +52,7 @@ static void make_rays_to_light(const struct mlrt_job *job, struct mlrt_ray_tile 
         return;
     }
     packet->active = packet->single = 0;
-    mlrt_fill_words(packet->triangle, MLRT_NONE);
+    mlrt_fill_words(packet->nearest.triangle, MLRT_NONE);
 }
 
 /* Makes the rays of the packet at a place: those of a picture, or in a tile of shadow rays those to the light. */

@@ -95,8 +95,8 @@ MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)
     if (waist->is_beam) is_fan = m_from_bits(0);
     const vf scale[3] = {v_div(v_set1(1), a), v_div(v_set1(1), b), v_div(v_set1(1), c)};
     const int are_fans = m_bits(is_fan) == ALL_LANES;
-    v_store(leaf->near + v, near);
-    v_store(leaf->far + v, far);
+    v_store(leaf->outline.near + v, near);
+    v_store(leaf->outline.far + v, far);
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         vf ends[3], lo, hi;
@@ -117,11 +117,11 @@ MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)
             from = v_select(is_fan, from, v_sub(v_min(v_min(ends[0], ends[1]), ends[2]), room));
             to = v_select(is_fan, to, v_add(v_max(v_max(ends[0], ends[1]), ends[2]), room));
         }
-        v_store(leaf->outline_lo[i] + v, from);
-        v_store(leaf->outline_hi[i] + v, to);
+        v_store(leaf->outline.lo[i] + v, from);
+        v_store(leaf->outline.hi[i] + v, to);
     }
-    v_store(leaf->weight + v, v_mul(v_select(is_fan, v_div(v_set1(1), least), greatest), wider));
-    leaf->fans |= m_bits(is_fan) << v;
+    v_store(leaf->outline.weight + v, v_mul(v_select(is_fan, v_div(v_set1(1), least), greatest), wider));
+    leaf->state.fans |= m_bits(is_fan) << v;
 }
 
 /*
@@ -150,22 +150,22 @@ MLRT_INLINE void find_outline_ends(const struct mlrt_waist *waist, int side, vf 
 MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                    const struct hull_outline *hull, int has_places, uint32_t among)
 {
-    const int are_fans = !(among & ~leaf->fans);
+    const int are_fans = !(among & ~leaf->state.fans);
     uint32_t met = 0;
     for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
         if (!(among >> v & ALL_LANES)) continue;
-        const vm is_fan = m_from_bits(leaf->fans >> v);
-        vm may =
-            m_and(v_le(v_load(leaf->near + v), v_set1(hull->last)), v_ge(v_load(leaf->far + v), v_set1(hull->first)));
+        const vm is_fan = m_from_bits(leaf->state.fans >> v);
+        vm may = m_and(v_le(v_load(leaf->outline.near + v), v_set1(hull->last)),
+                       v_ge(v_load(leaf->outline.far + v), v_set1(hull->first)));
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const vf slope[2] = {v_set1(hull->slope_lo[i]), v_set1(hull->slope_hi[i])};
             const vf place[2] = {v_set1(hull->place_lo[i]), v_set1(hull->place_hi[i])};
             vf ends[2];
-            find_outline_ends(&bundle->waist, i, v_load(leaf->weight + v), is_fan, are_fans, slope, place, has_places,
-                              ends);
-            may = m_and(may, m_and(v_le(v_load(leaf->outline_lo[i] + v), ends[1]),
-                                   v_ge(v_load(leaf->outline_hi[i] + v), ends[0])));
+            find_outline_ends(&bundle->waist, i, v_load(leaf->outline.weight + v), is_fan, are_fans, slope, place,
+                              has_places, ends);
+            may = m_and(may, m_and(v_le(v_load(leaf->outline.lo[i] + v), ends[1]),
+                                   v_ge(v_load(leaf->outline.hi[i] + v), ends[0])));
         }
         met |= m_bits(may) << v;
     }
@@ -177,17 +177,17 @@ MLRT_INLINE uint32_t packets_seeing(const struct mlrt_bundle *bundle, const stru
                                     uint32_t triangle, int v)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
-    const int is_fan = leaf->fans >> triangle & 1;
-    vm may = m_and(v_le(v_set1(leaf->near[triangle]), v_load(hulls->last + v)),
-                   v_ge(v_set1(leaf->far[triangle]), v_load(hulls->first + v)));
+    const int is_fan = leaf->state.fans >> triangle & 1;
+    vm may = m_and(v_le(v_set1(leaf->outline.near[triangle]), v_load(hulls->last + v)),
+                   v_ge(v_set1(leaf->outline.far[triangle]), v_load(hulls->first + v)));
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         const vf slope[2] = {v_load(hulls->slope[i].lo + v), v_load(hulls->slope[i].hi + v)};
         vf ends[2];
-        find_outline_ends(&bundle->waist, i, v_set1(leaf->weight[triangle]), m_from_bits(0), is_fan, slope, slope, 0,
-                          ends);
-        may = m_and(may, m_and(v_le(v_set1(leaf->outline_lo[i][triangle]), ends[1]),
-                               v_ge(v_set1(leaf->outline_hi[i][triangle]), ends[0])));
+        find_outline_ends(&bundle->waist, i, v_set1(leaf->outline.weight[triangle]), m_from_bits(0), is_fan, slope,
+                          slope, 0, ends);
+        may = m_and(may, m_and(v_le(v_set1(leaf->outline.lo[i][triangle]), ends[1]),
+                               v_ge(v_set1(leaf->outline.hi[i][triangle]), ends[0])));
     }
     return m_bits(may);
 }

@@ -60,7 +60,7 @@
 /* Component k of the origins of a vector of lanes. */
 MLRT_INLINE vf origin_component(const struct mlrt_packet *packet, int k, int v)
 {
-    return packet->has_apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
+    return packet->has.apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
 }
 
 /* A bundle has only rays whose |d_main|, in units, is between these: t is divided and multiplied by it. */
@@ -87,7 +87,7 @@ static int take_sample(const struct mlrt_packet *packet, uint32_t lane, float un
     float largest = 0;
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        sample->origin[k] = (packet->has_apex ? packet->apex[k] : packet->origin[k][lane]) * unit;
+        sample->origin[k] = (packet->has.apex ? packet->apex[k] : packet->origin[k][lane]) * unit;
         sample->direction[k] = packet->direction[k][lane];
         if (!(fabsf(sample->origin[k]) <= MLRT_SAFE_MAX && fabsf(sample->direction[k]) <= GREATEST_PACE)) return 0;
         largest = larger_of(fabsf(sample->direction[k]), largest);
@@ -223,11 +223,11 @@ static MLRT_NOINLINE void update_last_depths(struct mlrt_bundle *bundle, uint32_
         vf greatest = v_set1(-INFINITY);
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             vf depth = v_load(rays->hi + v);
-            if (bundle->has_places) depth = v_sub(depth, v_load(rays->to_waist[0] + v));
+            if (bundle->has.places) depth = v_sub(depth, v_load(rays->to_waist[0] + v));
             greatest = v_max(v_select(m_from_bits(active >> v), depth, v_set1(-INFINITY)), greatest);
         }
         const float depth = v_hmax(greatest);
-        const float to = depth + (SLOPE_SLACK * (fabsf(depth) + bundle->hulls.away[place]) + HULL_FLOOR);
+        const float to = depth + (SLOPE_SLACK * (fabsf(depth) + bundle->hulls.filter.away[place]) + HULL_FLOOR);
         if (to < bundle->hulls.last[place]) bundle->hulls.last[place] = to;
     }
 }
@@ -247,9 +247,9 @@ MLRT_INLINE void keep_extremes(const float least[12], uint32_t place, struct mlr
         hulls->term[MLRT_PLACE_J + i].hi[place] = 0 - least[6 + i];
     }
     hulls->first[place] = least[8];
-    hulls->core_first[place] = -least[9];
+    hulls->closed.core_first[place] = -least[9];
     hulls->last[place] = -least[10];
-    hulls->core_last[place] = least[11];
+    hulls->closed.core_last[place] = least[11];
 }
 
 /* Bounds a packet again, by the rays that are still active. */
@@ -266,7 +266,7 @@ static MLRT_NOINLINE void bound_packet(struct mlrt_bundle *bundle, uint32_t plac
         const vf to_waist = v_load(rays->to_waist[0] + v), zero = v_set1(0);
         MLRT_UNROLL
         for (int i = 0; i < 4; ++i) {
-            const vf value = i < 2 || bundle->has_places ? v_load(rays->term[term[i]] + v) : zero;
+            const vf value = i < 2 || bundle->has.places ? v_load(rays->term[term[i]] + v) : zero;
             const int at = (i & 2) * 2 + (i & 1);
             least[at] = v_min(v_select(lanes, value, inf), least[at]);
             least[at + 2] = v_min(v_select(lanes, v_sub(zero, value), inf), least[at + 2]);
@@ -284,7 +284,7 @@ static MLRT_NOINLINE void bound_packet(struct mlrt_bundle *bundle, uint32_t plac
 }
 
 /*
- * Do all rays of a packet start at the waist? `apex` is the waist, not in units. If so, sets apex and has_apex of the
+ * Do all rays of a packet start at the waist? `apex` is the waist, not in units. If so, sets apex and has.apex of the
  * packet.
  */
 MLRT_INLINE int starts_at_waist(const float apex[3], struct mlrt_packet *packet)
@@ -293,14 +293,14 @@ MLRT_INLINE int starts_at_waist(const float apex[3], struct mlrt_packet *packet)
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const vf w = v_set1(apex[k]);
-        if (packet->has_apex) same = m_and(same, v_eq(v_set1(packet->apex[k]), w));
-        for (int v = 0; !packet->has_apex && v < MLRT_PACKET_RAYS; v += VW) {
+        if (packet->has.apex) same = m_and(same, v_eq(v_set1(packet->apex[k]), w));
+        for (int v = 0; !packet->has.apex && v < MLRT_PACKET_RAYS; v += VW) {
             same = m_and(same, v_eq(v_load(packet->origin[k] + v), w));
         }
     }
     if (m_bits(same) != ALL_LANES) return 0;
-    for (int k = 0; k < 3 && !packet->has_apex; ++k) packet->apex[k] = packet->origin[k][0];
-    packet->has_apex = 1;
+    for (int k = 0; k < 3 && !packet->has.apex; ++k) packet->apex[k] = packet->origin[k][0];
+    packet->has.apex = 1;
     return 1;
 }
 
@@ -310,8 +310,8 @@ static int find_apex(const struct mlrt_bundle *bundle, float apex[3])
     int is_exact = 1;
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        apex[k] = bundle->waist.point[k] / bundle->unit;
-        is_exact &= apex[k] * bundle->unit == bundle->waist.point[k];
+        apex[k] = bundle->waist.point[k] / bundle->scene.unit;
+        is_exact &= apex[k] * bundle->scene.unit == bundle->waist.point[k];
     }
     return is_exact;
 }
@@ -327,7 +327,7 @@ MLRT_INLINE void load_given_rays(const struct mlrt_bundle *bundle, const struct 
                                  int v, struct given_rays *rays)
 {
     const int a = bundle->waist.main_axis, axis[3] = {a, mlrt_slope_axis(a, 0), mlrt_slope_axis(a, 1)};
-    const vf sign = v_set1(bundle->waist.sign), unit = v_set1(bundle->unit);
+    const vf sign = v_set1(bundle->waist.sign), unit = v_set1(bundle->scene.unit);
     rays->pace = v_flip(v_load(packet->direction[a] + v), sign);
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) rays->across[i] = v_load(packet->direction[axis[1 + i]] + v);
@@ -347,8 +347,8 @@ MLRT_INLINE vm exact_in_units(const struct mlrt_bundle *bundle, const struct mlr
     vm exact = m_from_bits(ALL_LANES);
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        const vf given = origin_component(packet, k, v), origin = v_mul(given, v_set1(bundle->unit));
-        exact = m_and(exact, v_eq(v_mul(origin, v_set1(1 / bundle->unit)), given));
+        const vf given = origin_component(packet, k, v), origin = v_mul(given, v_set1(bundle->scene.unit));
+        exact = m_and(exact, v_eq(v_mul(origin, v_set1(1 / bundle->scene.unit)), given));
     }
     return exact;
 }
@@ -363,7 +363,7 @@ static MLRT_NOINLINE void fill_idle_lanes(struct mlrt_packet *packet)
         const uint32_t lane = mlrt_lowest_bit(left);
         for (int k = 0; k < 3; ++k) {
             packet->direction[k][lane] = packet->direction[k][first];
-            if (!packet->has_apex) packet->origin[k][lane] = packet->origin[k][first];
+            if (!packet->has.apex) packet->origin[k][lane] = packet->origin[k][first];
         }
         packet->t_min[lane] = packet->t_min[first];
         packet->t_max[lane] = packet->t_max[first];
@@ -386,8 +386,8 @@ MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, i
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct mlrt_hulls *hulls = &bundle->hulls;
-    const int has_ends = packet->has_limits || packet->t_max[0] != INFINITY;
-    const vf unit = v_set1(bundle->unit), zero = v_set1(0);
+    const int has_ends = packet->has.limits || packet->t_max[0] != INFINITY;
+    const vf unit = v_set1(bundle->scene.unit), zero = v_set1(0);
     vf least[12]; /* as in keep_extremes */
     vf longest = zero;
     uint32_t fit = 0;
@@ -416,10 +416,10 @@ MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, i
         const vf sum = has_places ? v_add(v_abs(term[2]), v_abs(term[3])) : v_add(v_abs(term[0]), v_abs(term[1]));
         vm fits = m_and(v_ge(pace, v_set1(LEAST_PACE)), v_le(pace, v_set1(GREATEST_PACE)));
         fits = m_and(fits, v_le(sum, v_set1(MLRT_SAFE_MAX)));
-        if (MLRT_UNLIKELY(bundle->unit < 1) && has_places) { /* nor may 1 / |d_main| be denormal (L2) */
+        if (MLRT_UNLIKELY(bundle->scene.unit < 1) && has_places) { /* nor may 1 / |d_main| be denormal (L2) */
             fits = m_and(fits, m_and(exact_in_units(bundle, packet, v), v_le(rays.pace, v_set1(GREATEST_PACE))));
         }
-        if (packet->has_limits) {
+        if (packet->has.limits) {
             const vf given = v_load(packet->t_min + v), begin = v_mul(v_max(given, zero), pace);
             fits = m_and(fits, m_and(v_eq(given, given), v_lt(given, v_load(packet->t_max + v))));
             longest = v_max(begin, longest);
@@ -440,7 +440,7 @@ MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, i
     for (int i = 0; i < 12; i += 4) {
         if (has_places || i != 4) f4_store(of + i, v_hmin4(least[i], least[i + 1], least[i + 2], least[i + 3]));
     }
-    hulls->begin[place] = packet->has_limits ? v_hmax(longest) : 0;
+    hulls->begin[place] = packet->has.limits ? v_hmax(longest) : 0;
     keep_extremes(of, place, hulls);
     return fit;
 }
@@ -458,8 +458,8 @@ static MLRT_NOINLINE uint32_t bound_apex_rays(struct mlrt_bundle *bundle, uint32
 /* Bounds a packet, wherever its rays start. Returns the lanes whose rays can be traced with the bundle. */
 static uint32_t bound_from_anywhere(struct mlrt_bundle *bundle, uint32_t place)
 {
-    const int is_apex = bundle->is_apex && starts_at_waist(bundle->apex, &bundle->tile->packets[place]);
-    bundle->apexes |= (uint32_t)is_apex << place;
+    const int is_apex = bundle->has.apex && starts_at_waist(bundle->apex, &bundle->tile->packets[place]);
+    bundle->state.apexes |= (uint32_t)is_apex << place;
     return is_apex ? bound_apex_rays(bundle, place) : bound_rays(bundle, place);
 }
 
@@ -505,7 +505,7 @@ static MLRT_NOINLINE uint32_t hulls_fit(struct mlrt_bundle *bundle, uint32_t pla
     uint32_t fit = 0, small = 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         const vf least = v_set1(LEAST_SLOPE), below = v_set1(-LEAST_SLOPE), zero = v_set1(0), two = v_set1(2);
-        const vf first = v_load(hulls->first + v), core_first = v_load(hulls->core_first + v);
+        const vf first = v_load(hulls->first + v), core_first = v_load(hulls->closed.core_first + v);
         vm fits = v_le(core_first, v_set1(MLRT_BVH_FAR)), is_small = m_from_bits(0);
         vf steepest = v_set1(0.5f), aside = zero;
         MLRT_UNROLL
@@ -521,7 +521,7 @@ static MLRT_NOINLINE uint32_t hulls_fit(struct mlrt_bundle *bundle, uint32_t pla
         }
         const vf deep = v_add(v_max(v_abs(first), v_abs(core_first)), v_load(hulls->begin + v));
         const vf away = v_mul(v_mul(v_mul_add(steepest, deep, aside), two), v_set1(1 + SLOPE_SLACK));
-        v_store(hulls->away + v, v_select(m_from_bits(places >> v), away, v_load(hulls->away + v)));
+        v_store(hulls->filter.away + v, v_select(m_from_bits(places >> v), away, v_load(hulls->filter.away + v)));
         fit |= m_bits(m_and(fits, v_le(away, farthest))) << v;
         small |= m_bits(is_small) << v;
     }
@@ -538,19 +538,19 @@ static MLRT_NOINLINE void make_lanes(struct mlrt_bundle *bundle, uint32_t place)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
-    const vf zero = v_set1(0), unit = v_set1(bundle->unit);
-    bundle->made |= 1u << place;
+    const vf zero = v_set1(0), unit = v_set1(bundle->scene.unit);
+    bundle->state.made |= 1u << place;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         struct given_rays given;
         vf slope[2], at[2], to_waist[3];
-        load_given_rays(bundle, packet, bundle->has_places, v, &given);
+        load_given_rays(bundle, packet, bundle->has.places, v, &given);
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             slope[i] = v_div(given.across[i], given.pace);
             v_store(rays->term[MLRT_SLOPE_J + i] + v, slope[i]);
         }
         v_store(rays->to_waist[0] + v, zero);
-        if (bundle->has_places) {
+        if (bundle->has.places) {
             MLRT_UNROLL
             for (int k = 0; k < 3; ++k) {
                 to_waist[k] = v_sub(zero, given.from_waist[k]);
@@ -564,20 +564,20 @@ static MLRT_NOINLINE void make_lanes(struct mlrt_bundle *bundle, uint32_t place)
             v_store(rays->term[MLRT_MOMENT] + v, v_mul_sub(slope[1], at[0], v_mul(slope[0], at[1])));
         }
         const vf pace = v_mul(given.pace, unit), end = v_mul(v_load(packet->t_max + v), pace);
-        const vf t_min = packet->has_limits ? v_max(v_load(packet->t_min + v), zero) : zero;
+        const vf t_min = packet->has.limits ? v_max(v_load(packet->t_min + v), zero) : zero;
         v_store(rays->pace + v, pace);
         v_store(rays->begin + v, v_mul(t_min, pace));
         v_store(rays->lo + v, v_min(v_mul(end, v_set1(1 - SLOPE_SLACK)), v_set1(GREATEST_DISTANCE)));
         v_store(rays->hi + v, v_mul(end, v_set1(1 + SLOPE_SLACK)));
         v_store(packet->t_min + v, t_min);
-        i_store(packet->triangle + v, i_set1(MLRT_NONE));
+        i_store(packet->nearest.triangle + v, i_set1(MLRT_NONE));
     }
 }
 
 /* Computes the numbers of a packet's rays unless this was done before. */
 MLRT_INLINE void need_lanes(struct mlrt_bundle *bundle, uint32_t place)
 {
-    if (!(bundle->made >> place & 1)) make_lanes(bundle, place);
+    if (!(bundle->state.made >> place & 1)) make_lanes(bundle, place);
 }
 
 /*
@@ -589,18 +589,18 @@ MLRT_INLINE void finish_depths(struct mlrt_bundle *bundle, uint32_t places, int 
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     const vm these = m_from_bits(places >> v);
-    const vf first = v_load(hulls->first + v), last = v_load(hulls->last + v), away = v_load(hulls->away + v);
+    const vf first = v_load(hulls->first + v), last = v_load(hulls->last + v), away = v_load(hulls->filter.away + v);
     const vf slack = v_set1(SLOPE_SLACK), floor = v_set1(HULL_FLOOR);
     const vf from = v_sub(first, v_mul_add(v_add(v_abs(first), away), slack, floor));
     const vf to = v_add(last, v_mul_add(v_add(v_abs(last), away), slack, floor));
-    v_store(hulls->first + v, v_select(these, v_max(from, v_set1(bundle->scene_first)), first));
-    v_store(hulls->last + v, v_select(these, v_min(to, v_set1(bundle->scene_last)), last));
-    const vf core_first = v_load(hulls->core_first + v);
-    const vf core_last = v_min(v_load(hulls->core_last + v), v_set1(FLT_MAX)); /* else inf - inf is a NaN */
+    v_store(hulls->first + v, v_select(these, v_max(from, v_set1(bundle->scene.first)), first));
+    v_store(hulls->last + v, v_select(these, v_min(to, v_set1(bundle->scene.last)), last));
+    const vf core_first = v_load(hulls->closed.core_first + v);
+    const vf core_last = v_min(v_load(hulls->closed.core_last + v), v_set1(FLT_MAX)); /* else inf - inf is a NaN */
     const vf core_from = v_add(core_first, v_mul_add(v_add(v_abs(core_first), away), slack, floor));
     const vf core_to = v_sub(core_last, v_mul_add(v_add(v_abs(core_last), away), slack, floor));
-    v_store(hulls->core_first + v, v_select(these, core_from, core_first));
-    v_store(hulls->core_last + v, v_select(these, core_to, core_last));
+    v_store(hulls->closed.core_first + v, v_select(these, core_from, core_first));
+    v_store(hulls->closed.core_last + v, v_select(these, core_to, core_last));
 }
 
 /*
@@ -633,8 +633,8 @@ MLRT_INLINE void product_over_hull(const vf *middle, const vf *radius, vf *of_mo
 static MLRT_NOINLINE void finish_hulls(struct mlrt_bundle *bundle, int v)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
-    const vm going = m_from_bits(bundle->going >> v);
-    const vf away = v_load(hulls->away + v), one = v_set1(1), inf = v_set1(INFINITY), none = v_set1(-INFINITY);
+    const vm going = m_from_bits(bundle->state.going >> v);
+    const vf away = v_load(hulls->filter.away + v), one = v_set1(1), inf = v_set1(INFINITY), none = v_set1(-INFINITY);
     vf reach = one, largest = v_set1(0), middle[MLRT_RAY_TERMS], radius[MLRT_RAY_TERMS];
     MLRT_UNROLL
     for (int i = 0; i < 4; ++i) {
@@ -649,12 +649,12 @@ static MLRT_NOINLINE void finish_hulls(struct mlrt_bundle *bundle, int v)
     product_over_hull(middle, radius, &middle[MLRT_MOMENT], &radius[MLRT_MOMENT]);
     MLRT_UNROLL
     for (int i = 0; i < MLRT_RAY_TERMS; ++i) {
-        v_store(hulls->middle[i] + v, middle[i]);
-        v_store(hulls->radius[i] + v, radius[i]);
+        v_store(hulls->filter.middle[i] + v, middle[i]);
+        v_store(hulls->filter.radius[i] + v, radius[i]);
     }
     const vf error = v_mul_add(v_mul(reach, away), v_set1(PLACE_ERROR), v_set1(PLACE_FLOOR));
-    v_store(hulls->reach + v, reach);
-    v_store(hulls->blur + v, v_mul_add(largest, v_set1(BLUR_OF_PLACE), error));
+    v_store(hulls->filter.reach + v, reach);
+    v_store(hulls->filter.blur + v, v_mul_add(largest, v_set1(BLUR_OF_PLACE), error));
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v), slack = v_set1(SLOPE_SLACK);
@@ -710,7 +710,7 @@ MLRT_INLINE void set_whole_last(struct mlrt_bundle *bundle)
 static void leave_bundle(struct mlrt_bundle *bundle, uint32_t place)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
-    bundle->going &= ~(1u << place);
+    bundle->state.going &= ~(1u << place);
     hulls->first[place] = INFINITY;
     hulls->last[place] = -INFINITY;
     MLRT_UNROLL
@@ -855,20 +855,20 @@ MLRT_INLINE uint32_t lanes_of_packet_met(const struct mlrt_bundle *bundle, uint3
     for (int i = 0; i < 2; ++i) {
         far = larger_of(larger_of(fabsf(hulls->place[i].lo[place]), fabsf(hulls->place[i].hi[place])), far);
     }
-    const float reach = hulls->reach[place];
+    const float reach = hulls->filter.reach[place];
     const vf slack =
-        v_set1(SLOPE_SLACK * (far + reach * deepest) + PLACE_ERROR * reach * hulls->away[place] + HULL_FLOOR);
+        v_set1(SLOPE_SLACK * (far + reach * deepest) + PLACE_ERROR * reach * hulls->filter.away[place] + HULL_FLOOR);
     uint32_t met = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf last = v_sub(v_load(rays->hi + v), v_load(rays->to_waist[0] + v));
-        const vf moved = v_add(last, v_set1(SLOPE_SLACK * (deepest + hulls->away[place]) + HULL_FLOOR));
+        const vf moved = v_add(last, v_set1(SLOPE_SLACK * (deepest + hulls->filter.away[place]) + HULL_FLOOR));
         const vf from = v_max(v_set1(box->from), v_set1(hulls->first[place]));
         const vf to = v_min(v_min(v_set1(box->to), v_set1(hulls->last[place])), moved);
         vm may = v_le(from, to);
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const vf slope = v_load(rays->term[MLRT_SLOPE_J + i] + v);
-            const vf x = bundle->has_places ? v_load(rays->term[MLRT_PLACE_J + i] + v) : v_set1(0);
+            const vf x = bundle->has.places ? v_load(rays->term[MLRT_PLACE_J + i] + v) : v_set1(0);
             const vf one = v_mul_add(slope, from, x), other = v_mul_add(slope, to, x);
             may = m_and(may, v_le(v_set1(box->lo[i]), v_add(v_max(one, other), slack)));
             may = m_and(may, v_ge(v_set1(box->hi[i]), v_sub(v_min(one, other), slack)));

@@ -28,7 +28,7 @@ static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile 
             read_whole_block(&reader, block.x, block.y, &known, packet);
         } else {
             fetch_block(source, &block, lanes, packet);
-            if (packet->has_skip) mlrt_number_skips(source->tree, packet);
+            if (packet->has.skip) mlrt_number_skips(source->tree, packet);
         }
         if (mlrt_is_pinhole(source)) continue;
         packet->active = lanes;

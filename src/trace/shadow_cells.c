@@ -82,8 +82,8 @@ static uint32_t find_planes(const struct mlrt_source *light, const struct mlrt_t
     enum side side = UNKNOWN;
     for (; among; among &= among - 1) {
         const uint32_t place = mlrt_lowest_bit(among);
-        if (seen->hulls.cover[place] != number) {
-            number = seen->hulls.cover[place];
+        if (seen->hulls.closed.cover[place] != number) {
+            number = seen->hulls.closed.cover[place];
             const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
             side = find_plane(light, &triangle, seen->waist.point, planes, last = place);
         } else if (side == FACING) {
@@ -170,8 +170,8 @@ static int set_lit_cell(const struct quad_extremes *of, float reach, float away,
         hulls->term[side].hi[place] = hi + slack;
         hulls->term[MLRT_PLACE_J + side].lo[place] = hulls->term[MLRT_PLACE_J + side].hi[place] = 0;
     }
-    hulls->first[place] = hulls->core_first[place] = hulls->begin[place] = hulls->away[place] = 0;
-    hulls->core_last[place] = (depth - error) * (1 - SLOPE_SLACK);
+    hulls->first[place] = hulls->closed.core_first[place] = hulls->begin[place] = hulls->filter.away[place] = 0;
+    hulls->closed.core_last[place] = (depth - error) * (1 - SLOPE_SLACK);
     hulls->last[place] = (lane_of(&of->greatest_depth, place) + error) * (1 + SLOPE_SLACK);
     return 1;
 }

@@ -34,8 +34,8 @@ static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_b
     struct mlrt_hulls *hulls = &bundle->hulls;
     const uint32_t lit = mlrt_make_lit_cells(&job->source, job->tree, seen, among, bundle, dark);
     memcpy(bundle->waist.point, job->source.light, sizeof bundle->waist.point);
-    memcpy(hulls->skip, seen->hulls.cover, sizeof hulls->skip);
-    bundle->going = bundle->closed = bundle->apexes = lit;
+    memcpy(hulls->closed.skip, seen->hulls.closed.cover, sizeof hulls->closed.skip);
+    bundle->state.going = bundle->state.closed = bundle->state.apexes = lit;
     bundle->ends_at_skip = 1;
     return lit;
 }
@@ -49,7 +49,7 @@ static int have_lit_cells(const struct mlrt_job *job, const struct mlrt_job *lig
 /* The closed cells that a triangle covers. */
 static uint32_t covered_cells(const struct mlrt_bundle *bundle)
 {
-    return bundle->closed & ~mlrt_same_words(bundle->hulls.cover, MLRT_NONE);
+    return bundle->state.closed & ~mlrt_same_words(bundle->hulls.closed.cover, MLRT_NONE);
 }
 
 /*
@@ -65,7 +65,7 @@ static uint32_t trace_lit_cells(const struct mlrt_job *light, struct mlrt_worker
     trace_cells(light, worker, 0, bundle);
     const uint32_t shaded = covered_cells(bundle);
     *dark |= shaded;
-    return bundle->closed & ~shaded;
+    return bundle->state.closed & ~shaded;
 }
 
 /* Decides lights for the closed cells of a square, into `known`. Returns the cells for which all lights are decided. */
@@ -73,9 +73,9 @@ static MLRT_NOINLINE uint32_t shade_cells(const struct mlrt_job *job, struct mlr
                                           const struct mlrt_bundle *seen, struct known_lights known[MLRT_CELL_COUNT])
 {
     const uint32_t covered = covered_cells(seen);
-    uint32_t all = seen->closed;
+    uint32_t all = seen->state.closed;
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
-        known[place] = (struct known_lights){seen->hulls.cover[place], 0, 0};
+        known[place] = (struct known_lights){seen->hulls.closed.cover[place], 0, 0};
     }
     for (uint32_t i = 0; i < job->light_count; ++i) {
         const struct mlrt_job *light = &job->lights[i];
@@ -90,7 +90,7 @@ static MLRT_NOINLINE uint32_t shade_cells(const struct mlrt_job *job, struct mlr
             of->known |= (uint8_t)(1u << i);
             of->dark |= (uint8_t)((dark >> mlrt_lowest_bit(left) & 1) << i);
         }
-        all &= dark | lit | (seen->closed & ~covered);
+        all &= dark | lit | (seen->state.closed & ~covered);
     }
     return all;
 }
@@ -106,8 +106,8 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
     tile.seen = seen;
     tile.picture = job;
     bundle.tile = &tile;
-    bundle.closed = 0;
-    const uint32_t covered = covered_cells(seen->cells), missed = seen->cells->closed & ~covered;
+    bundle.state.closed = 0;
+    const uint32_t covered = covered_cells(seen->cells), missed = seen->cells->state.closed & ~covered;
     if (mlrt_count_bits(covered) >= MLRT_LEAST_LIT_CELLS && have_lit_cells(job, light)) {
         cells = gather_lit_cells(light, seen->cells, covered, &bundle, &dark);
     }

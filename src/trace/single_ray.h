@@ -116,7 +116,7 @@ MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct m
     for (int k = 0; k < 3; ++k) {
         const float d = packet->direction[k][lane];
         const size_t lo = (size_t)k * sizeof(float[MLRT_BVH_WIDTH]), hi = lo + 3 * sizeof(float[MLRT_BVH_WIDTH]);
-        ray->origin[k] = v_set1(packet->has_apex ? packet->apex[k] : packet->origin[k][lane]);
+        ray->origin[k] = v_set1(packet->has.apex ? packet->apex[k] : packet->origin[k][lane]);
         ray->direction[k] = v_set1(d);
         ray->near[k] = v_set1(-reciprocals->near[k][lane]);
         ray->far[k] = v_set1(-reciprocals->far[k][lane]);
@@ -298,9 +298,9 @@ MLRT_INLINE uint32_t keep_nearest(const struct verdict *verdict, uint32_t nearer
         const uint32_t i = mlrt_lowest_bit(left);
         if (hi[i] < hi[nearest]) nearest = i;
     }
-    packet->triangle[lane] = numbers[nearest];
-    packet->lo[lane] = lo[nearest];
-    packet->hi[lane] = hi[nearest];
+    packet->nearest.triangle[lane] = numbers[nearest];
+    packet->nearest.lo[lane] = lo[nearest];
+    packet->nearest.hi[lane] = hi[nearest];
     *place = nearest;
     for (nearer &= ~(1u << nearest); nearer; nearer &= nearer - 1) {
         const uint32_t i = mlrt_lowest_bit(nearer);
@@ -315,8 +315,8 @@ MLRT_INLINE uint32_t keep_nearest(const struct verdict *verdict, uint32_t nearer
  */
 MLRT_INLINE vm places_without_test(const struct mlrt_packet *packet, uint32_t lane, vi number)
 {
-    const vm ignored = m_or(i_eq(number, i_set1(MLRT_NONE)), i_eq(number, i_set1(packet->triangle[lane])));
-    return packet->has_skip ? m_or(ignored, i_eq(number, i_set1(packet->skip[lane]))) : ignored;
+    const vm ignored = m_or(i_eq(number, i_set1(MLRT_NONE)), i_eq(number, i_set1(packet->nearest.triangle[lane])));
+    return packet->has.skip ? m_or(ignored, i_eq(number, i_set1(packet->skip[lane]))) : ignored;
 }
 
 /* The place of triangle `number`, which is among `numbers`. */
@@ -337,24 +337,25 @@ MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *n
 {
     const vm ignored = places_without_test(packet, lane, i_load_any(numbers));
     uint32_t candidates = m_bits(inside) & places & ~m_bits(ignored);
-    const uint32_t mask = packet->has_masks ? packet->mask[lane] : worker->mask;
+    const uint32_t mask = packet->has.masks ? packet->mask[lane] : worker->mask;
     uint32_t changed = NO_PLACE;
     if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) candidates = mlrt_visible_places(job->tree, numbers, candidates, mask);
     if (!candidates) return NO_PLACE;
-    const struct verdict verdict = compare_distances(test, m_andnot(inside, ignored), t_min, v_set1(packet->lo[lane]),
-                                                     v_set1(packet->hi[lane]), job->any);
+    const struct verdict verdict =
+        compare_distances(test, m_andnot(inside, ignored), t_min, v_set1(packet->nearest.lo[lane]),
+                          v_set1(packet->nearest.hi[lane]), job->any);
     uint32_t undecided = MLRT_GUESS ? 0 : m_bits(verdict.undecided) & candidates;
     const uint32_t nearer = m_bits(verdict.nearer) & candidates;
     if (nearer && job->any) {
         changed = mlrt_lowest_bit(nearer);
-        packet->triangle[lane] = numbers[changed];
+        packet->nearest.triangle[lane] = numbers[changed];
         return changed;
     }
     if (nearer) undecided |= keep_nearest(&verdict, nearer, numbers, lane, packet, &changed);
     if (MLRT_UNLIKELY(undecided)) {
-        const uint32_t before = packet->triangle[lane];
+        const uint32_t before = packet->nearest.triangle[lane];
         decide_scaled_triangles(job, numbers, undecided, m_bits(verdict.inside), lane, packet, worker);
-        if (packet->triangle[lane] != before) changed = find_place(numbers, packet->triangle[lane]);
+        if (packet->nearest.triangle[lane] != before) changed = find_place(numbers, packet->nearest.triangle[lane]);
     }
     return changed;
 }
@@ -364,7 +365,7 @@ MLRT_INLINE void count_leaf_tests(const struct mlrt_job *job, const uint32_t *nu
                                   const struct mlrt_packet *packet, uint32_t lane, struct mlrt_worker *worker)
 {
     if (!MLRT_COUNTING) return;
-    const uint32_t mask = packet->has_masks ? packet->mask[lane] : worker->mask;
+    const uint32_t mask = packet->has.masks ? packet->mask[lane] : worker->mask;
     uint32_t count = place_count;
     while (numbers[count - 1] == MLRT_NONE) --count;
     if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) {
@@ -430,7 +431,7 @@ static MLRT_NOINLINE struct mlrt_corners trace_single(const struct mlrt_job *job
     uint32_t count = 0;
     struct single_ray ray;
     set_single_ray(packet, reciprocals, lane, &ray);
-    float limit = finite_limit(packet->hi[lane]);
+    float limit = finite_limit(packet->nearest.hi[lane]);
     COUNT(&worker->counters, packet_count, 1);
     for (;;) {
         COUNT(&worker->counters, cell_count, 1);
@@ -447,7 +448,7 @@ static MLRT_NOINLINE struct mlrt_corners trace_single(const struct mlrt_job *job
                 nearest.corner = corner;
                 nearest.row = 4 * mlrt_bvh_quad_count(child);
                 if (any) return nearest;
-                limit = finite_limit(packet->hi[lane]);
+                limit = finite_limit(packet->nearest.hi[lane]);
             }
         }
         do {
@@ -478,11 +479,11 @@ static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct mlrt_lo
         reciprocals.far[k][0] = ray->reciprocal[k] * (1 + RECIPROCAL_SLACK);
     }
     packet->t_min[0] = ray->t_min;
-    packet->t_max[0] = packet->lo[0] = packet->hi[0] = ray->t_max;
-    packet->triangle[0] = MLRT_NONE;
+    packet->t_max[0] = packet->nearest.lo[0] = packet->nearest.hi[0] = ray->t_max;
+    packet->nearest.triangle[0] = MLRT_NONE;
     packet->skip[0] = ray->skip;
-    packet->has_skip = ray->skip != MLRT_NONE;
-    packet->has_apex = packet->has_masks = 0;
+    packet->has.skip = ray->skip != MLRT_NONE;
+    packet->has.apex = packet->has.masks = 0;
     worker.mask = ray->mask;
     worker.known.planes = &plane;
     worker.known.pairs = &pair;
@@ -493,7 +494,7 @@ static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct mlrt_lo
     worker.scaled = scaled;
     CLEAR_COUNTS(&worker);
     *corners = trace_single(job, &reciprocals, 0, 0, packet, &worker);
-    return packet->triangle[0];
+    return packet->nearest.triangle[0];
 }
 
 /* Traces a ray through boxes whose unit is 1. Returns the number of the triangle that it hits, and sets *corners. */
@@ -524,12 +525,12 @@ static int trace_scaled_ray(const struct mlrt_tree *tree, const struct mlrt_ray_
             packet.direction[k][lane] = segment->direction[k];
         }
         packet.t_min[lane] = segment->t_min;
-        packet.t_max[lane] = packet.lo[lane] = packet.hi[lane] = segment->t_max;
+        packet.t_max[lane] = packet.nearest.lo[lane] = packet.nearest.hi[lane] = segment->t_max;
     }
-    packet.triangle[0] = MLRT_NONE;
+    packet.nearest.triangle[0] = MLRT_NONE;
     packet.skip[0] = skip;
-    packet.has_skip = skip != MLRT_NONE;
-    packet.has_apex = packet.has_masks = 0;
+    packet.has.skip = skip != MLRT_NONE;
+    packet.has.apex = packet.has.masks = 0;
     if (!scale_packet(1, tree->bvh.unit, &packet, &scaled)) return 0;
     for (int k = 0; k < 3; ++k) {
         ray.origin[k] = scaled.rays.origin[k][0];
@@ -537,7 +538,7 @@ static int trace_scaled_ray(const struct mlrt_tree *tree, const struct mlrt_ray_
         ray.reciprocal[k] = 1 / ray.direction[k];
     }
     ray.t_min = scaled.rays.t_min[0];
-    ray.t_max = scaled.rays.hi[0];
+    ray.t_max = scaled.rays.nearest.hi[0];
     ray.mask = segment->mask;
     ray.skip = skip;
     job.tree = tree;

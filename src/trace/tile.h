@@ -72,7 +72,7 @@ static MLRT_NOINLINE void update_bundle(struct mlrt_bundle *bundle, uint32_t pla
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     if (!any) {
-        bundle->nearer |= 1u << place;
+        bundle->state.nearer |= 1u << place;
         return;
     }
     packet->active &= ~changed;
@@ -97,14 +97,15 @@ static MLRT_NOINLINE void release_packet(struct mlrt_bundle *bundle, uint32_t pl
 static void give_up_packet(struct mlrt_bundle *bundle, uint32_t place)
 {
     release_packet(bundle, place);
-    bundle->given_up |= 1u << place;
+    bundle->state.given_up |= 1u << place;
 }
 
 /* Updates the hulls after new hits: rays look for nearer hits only. */
 MLRT_INLINE void settle_bundle(struct mlrt_bundle *bundle)
 {
-    if (bundle->nearer & bundle->going) update_last_depths(bundle, bundle->nearer & bundle->going);
-    bundle->nearer = 0;
+    if (bundle->state.nearer & bundle->state.going)
+        update_last_depths(bundle, bundle->state.nearer & bundle->state.going);
+    bundle->state.nearer = 0;
     set_whole_last(bundle);
 }
 
@@ -116,14 +117,14 @@ static MLRT_NOINLINE void trace_lanes_of_packet(const struct mlrt_job *job, stru
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     uint32_t changed = 0;
-    const int is_first = !(bundle->has_reciprocals >> place & 1);
+    const int is_first = !(bundle->state.has_reciprocals >> place & 1);
     if (is_first || !job->any) set_packet_distances(rays, packet); /* where any hit will do, all end at t_max */
     if (is_first) set_reciprocals(packet, &bundle->tile->reciprocals[place]);
-    bundle->has_reciprocals |= 1u << place;
+    bundle->state.has_reciprocals |= 1u << place;
     for (; lanes; lanes &= lanes - 1) {
-        const uint32_t lane = mlrt_lowest_bit(lanes), before = packet->triangle[lane];
+        const uint32_t lane = mlrt_lowest_bit(lanes), before = packet->nearest.triangle[lane];
         trace_single(job, &bundle->tile->reciprocals[place], lane, child, packet, worker);
-        if (packet->triangle[lane] == before) continue;
+        if (packet->nearest.triangle[lane] == before) continue;
         set_lane_depths(packet, lane, rays);
         changed |= 1u << lane;
     }
@@ -144,7 +145,7 @@ MLRT_INLINE int is_large_box(const struct mlrt_bundle *bundle, uint32_t place, c
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         rays *= box->hi[i] - box->lo[i];
-        limit *= 2 * (hulls->radius[i][place] * depth + hulls->radius[MLRT_PLACE_J + i][place]);
+        limit *= 2 * (hulls->filter.radius[i][place] * depth + hulls->filter.radius[MLRT_PLACE_J + i][place]);
     }
     return rays > limit;
 }
@@ -167,7 +168,7 @@ static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct 
         lanes[place] = lanes_of_packet_met(bundle, place, box);
         count += mlrt_count_bits(lanes[place]);
         if (count > most) return 0;
-        if (bundle->has_reciprocals >> place & 1 || !lanes[place]) continue;
+        if (bundle->state.has_reciprocals >> place & 1 || !lanes[place]) continue;
         struct checked_lanes directions;
         check_lanes(bundle->tile->packets[place].direction, &directions);
         if (MLRT_UNLIKELY(bundle->tile->packets[place].active & ~directions.safe)) return 0;
@@ -193,7 +194,7 @@ MLRT_INLINE uint32_t cut_triangles_by(const struct mlrt_bundle *bundle, const st
 static MLRT_NOINLINE uint32_t cut_triangles(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                             uint32_t place, uint32_t seen)
 {
-    return bundle->has_places ? cut_triangles_by(bundle, leaf, place, 1, seen)
+    return bundle->has.places ? cut_triangles_by(bundle, leaf, place, 1, seen)
                               : cut_triangles_by(bundle, leaf, place, 0, seen);
 }
 
@@ -203,10 +204,10 @@ static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlr
                                           uint32_t triangles, uint32_t place)
 {
     need_lanes(bundle, place);
-    const uint32_t changed = bundle->has_places ? test_bundle_packet(job, worker, bundle, leaf, triangles, place, 1)
+    const uint32_t changed = bundle->has.places ? test_bundle_packet(job, worker, bundle, leaf, triangles, place, 1)
                                                 : test_bundle_packet(job, worker, bundle, leaf, triangles, place, 0);
     if (changed) update_bundle(bundle, place, changed, job->any);
-    if (MLRT_UNLIKELY(bundle->tests[place] > MLRT_MOST_TESTS) && bundle->going >> place & 1) {
+    if (MLRT_UNLIKELY(bundle->state.tests[place] > MLRT_MOST_TESTS) && bundle->state.going >> place & 1) {
         give_up_packet(bundle, place);
     }
 }
@@ -223,13 +224,13 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
     if (!seen) return;
     uint32_t lists[MLRT_BUNDLE_PACKETS] = {0};
     for (; seen; seen &= seen - 1) {
-        const uint32_t among = met & bundle->going;
+        const uint32_t among = met & bundle->state.going;
         if (!among) break;
-        if (!(among & bundle->closed) && mlrt_count_bits(seen) > mlrt_count_bits(among)) break;
+        if (!(among & bundle->state.closed) && mlrt_count_bits(seen) > mlrt_count_bits(among)) break;
         uint32_t may = offer_to_packets(job, worker, bundle, leaf, mlrt_lowest_bit(seen), among);
         for (; may; may &= may - 1) lists[mlrt_lowest_bit(may)] |= seen & (0u - seen);
     }
-    for (met &= bundle->going; met; met &= met - 1) {
+    for (met &= bundle->state.going; met; met &= met - 1) {
         const uint32_t place = mlrt_lowest_bit(met);
         const uint32_t triangles = lists[place] | (seen ? cut_triangles(bundle, leaf, place, seen) : 0);
         if (triangles) visit_by_packet(job, worker, bundle, leaf, triangles, place);
@@ -241,11 +242,12 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
 static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
                                           struct mlrt_bundle *bundle)
 {
-    const int has_places = bundle->has_places;
+    const int has_places = bundle->has.places;
     const struct mlrt_bvh *bvh = &job->tree->bvh;
     struct pending_box stack[TILE_STACK_SIZE];
     MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
-    const int is_many = bundle->tile && mlrt_count_bits(bundle->going) >= MLRT_MANY_PACKETS && bundle->unit == 1;
+    const int is_many =
+        bundle->tile && mlrt_count_bits(bundle->state.going) >= MLRT_MANY_PACKETS && bundle->scene.unit == 1;
     const uint32_t few = is_many ? MLRT_FEW_PACKETS : 0;
     uint32_t node = 0, count = 0;
     for (;;) {
@@ -265,7 +267,7 @@ static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlr
             see_bundle_box(&bundle->waist, parent, place, &box);
             const uint32_t met = packets_met(bundle, &box, has_places);
             if (!met) continue;
-            if (mlrt_count_bits(met) <= few && !(met & bundle->closed) &&
+            if (mlrt_count_bits(met) <= few && !(met & bundle->state.closed) &&
                 !(mlrt_bvh_quad_count(child) && has_bundle_leaf(bundle, child)) &&
                 trace_few_of_bundle(job, worker, bundle, &box, child, met)) {
                 continue;
@@ -276,7 +278,7 @@ static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlr
             }
             COUNT(&worker->counters, cell_count, 1);
             visit_leaf_of_bundle(job, worker, bundle, child, met, has_places);
-            if (MLRT_UNLIKELY(mlrt_count_bits(bundle->given_up) > MLRT_MOST_GIVEN_UP)) return;
+            if (MLRT_UNLIKELY(mlrt_count_bits(bundle->state.given_up) > MLRT_MOST_GIVEN_UP)) return;
         }
     }
 }
@@ -295,8 +297,8 @@ static void find_depths(const struct mlrt_box *box, const struct mlrt_waist *wai
 /* Sets the depths of the scene, and of most triangles. */
 static void set_scene_depths(const struct mlrt_bvh *bvh, struct mlrt_bundle *bundle)
 {
-    find_depths(&bvh->whole, &bundle->waist, &bundle->scene_first, &bundle->scene_last);
-    find_depths(&bvh->core, &bundle->waist, &bundle->core_first, &bundle->core_last);
+    find_depths(&bvh->whole, &bundle->waist, &bundle->scene.first, &bundle->scene.last);
+    find_depths(&bvh->core, &bundle->waist, &bundle->scene.core_first, &bundle->scene.core_last);
 }
 
 /* Returns the packets of a bundle that are far wider than most. */
@@ -306,14 +308,14 @@ static MLRT_NOINLINE uint32_t find_wide_packets(const struct mlrt_bundle *bundle
     MLRT_ALIGNED(64) float widths[MLRT_BUNDLE_PACKETS];
     vf least = v_set1(INFINITY), greatest = v_set1(0);
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
-        const vm going = m_from_bits(bundle->going >> v);
-        const vf first = v_max(v_load(hulls->first + v), v_set1(bundle->core_first));
-        const vf last = v_min(v_load(hulls->last + v), v_set1(bundle->core_last));
+        const vm going = m_from_bits(bundle->state.going >> v);
+        const vf first = v_max(v_load(hulls->first + v), v_set1(bundle->scene.core_first));
+        const vf last = v_min(v_load(hulls->last + v), v_set1(bundle->scene.core_last));
         const vf depth = v_max(v_abs(first), v_abs(last));
         vf width = v_set1(0);
         for (int i = 0; i < 2; ++i) {
-            width = v_mul_add(v_load(hulls->radius[i] + v), depth, width);
-            if (bundle->has_places) width = v_add(v_load(hulls->radius[MLRT_PLACE_J + i] + v), width);
+            width = v_mul_add(v_load(hulls->filter.radius[i] + v), depth, width);
+            if (bundle->has.places) width = v_add(v_load(hulls->filter.radius[MLRT_PLACE_J + i] + v), width);
         }
         v_store(widths + v, width);
         least = v_min(v_select(going, width, v_set1(INFINITY)), least);
@@ -322,14 +324,14 @@ static MLRT_NOINLINE uint32_t find_wide_packets(const struct mlrt_bundle *bundle
     if (MLRT_LIKELY(v_hmax(greatest) <= WIDE_PACKET * v_hmin(least))) return 0;
     float sorted[MLRT_BUNDLE_PACKETS];
     uint32_t count = 0, wide = 0;
-    for (uint32_t left = bundle->going; left; left &= left - 1) {
+    for (uint32_t left = bundle->state.going; left; left &= left - 1) {
         const float width = widths[mlrt_lowest_bit(left)];
         uint32_t at = count++;
         for (; at > 0 && sorted[at - 1] > width; --at) sorted[at] = sorted[at - 1];
         sorted[at] = width;
     }
     const float limit = WIDE_PACKET * sorted[count / 4];
-    for (uint32_t left = bundle->going; left; left &= left - 1) {
+    for (uint32_t left = bundle->state.going; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         if (!(widths[place] <= limit)) wide |= 1u << place;
     }
@@ -344,8 +346,8 @@ static MLRT_NOINLINE uint32_t find_wide_packets(const struct mlrt_bundle *bundle
 static int ends_closer(const struct mlrt_bundle *bundle)
 {
     const struct mlrt_hull *whole = &bundle->whole;
-    const float first = whole->first > bundle->core_first ? whole->first : bundle->core_first;
-    const float last = whole->last < bundle->core_last ? whole->last : bundle->core_last;
+    const float first = whole->first > bundle->scene.core_first ? whole->first : bundle->scene.core_first;
+    const float last = whole->last < bundle->scene.core_last ? whole->last : bundle->scene.core_last;
     float spread = 0, width = 0;
     for (int i = 0; i < 2; ++i) {
         spread += whole->slope_hi[i] - whole->slope_lo[i];
@@ -371,7 +373,7 @@ static uint32_t check_odd_packets(const struct mlrt_bundle *bundle, uint32_t pla
     uint32_t some = 0;
     for (uint32_t left = places; left; left &= left - 1) {
         struct mlrt_packet *packet = &bundle->tile->packets[mlrt_lowest_bit(left)];
-        check_odd_packet(bundle->unit, packet);
+        check_odd_packet(bundle->scene.unit, packet);
         some |= packet->active ? left & (0u - left) : 0;
     }
     return some;
@@ -380,7 +382,7 @@ static uint32_t check_odd_packets(const struct mlrt_bundle *bundle, uint32_t pla
 /* Adds to the cells of a bundle the packets whose rays float carries. Returns the others that have active rays. */
 static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
 {
-    const uint32_t cells = bundle->going;
+    const uint32_t cells = bundle->state.going;
     uint32_t odd = 0, others = 0;
     for (uint32_t left = ~(places | cells) & 0xFFFF; left; left &= left - 1)
         leave_bundle(bundle, mlrt_lowest_bit(left));
@@ -388,22 +390,22 @@ static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
         const uint32_t place = mlrt_lowest_bit(left), fit = bound_from_anywhere(bundle, place);
         odd |= (uint32_t)((bundle->tile->packets[place].active & ~fit) != 0) << place;
     }
-    bundle->going = cells | hulls_fit(bundle, places & ~odd);
-    for (uint32_t left = places & ~bundle->going; left; left &= left - 1) {
+    bundle->state.going = cells | hulls_fit(bundle, places & ~odd);
+    for (uint32_t left = places & ~bundle->state.going; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), bit = left & (0u - left);
         struct mlrt_packet *packet = &bundle->tile->packets[place];
-        check_odd_packet(bundle->unit, packet);
+        check_odd_packet(bundle->scene.unit, packet);
         const int fits = packet->active && !(packet->active & ~bound_from_anywhere(bundle, place));
         if (fits && hulls_fit(bundle, bit)) {
-            bundle->going |= bit;
+            bundle->state.going |= bit;
         } else {
             leave_bundle(bundle, place);
             others |= packet->active ? bit : 0;
         }
     }
-    bundle->apexes &= bundle->going;
-    for (uint32_t left = bundle->going; left; left &= left - 1) {
-        bundle->has_begins |= bundle->hulls.begin[mlrt_lowest_bit(left)] > 0;
+    bundle->state.apexes &= bundle->state.going;
+    for (uint32_t left = bundle->state.going; left; left &= left - 1) {
+        bundle->has.begins |= bundle->hulls.begin[mlrt_lowest_bit(left)] > 0;
     }
     return others;
 }
@@ -416,12 +418,12 @@ static void set_wide_packets_aside(const struct mlrt_job *job, uint32_t places, 
 {
     for (uint32_t left = find_wide_packets(bundle) & places; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
-        if (job->any && !bundle->tile->packets[place].has_masks) {
+        if (job->any && !bundle->tile->packets[place].has.masks) {
             leave_bundle(bundle, place);
-            bundle->riding |= left & (0u - left);
+            bundle->state.riding |= left & (0u - left);
         } else {
             release_packet(bundle, place);
-            bundle->set_aside |= left & (0u - left);
+            bundle->state.set_aside |= left & (0u - left);
         }
     }
 }
@@ -430,21 +432,21 @@ static void set_wide_packets_aside(const struct mlrt_job *job, uint32_t places, 
 static void begin_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
     bundle->cache = &worker->bundles->caches[job->any];
-    bundle->unit = job->tree->bvh.unit;
-    bundle->made = bundle->given_up = bundle->nearer = bundle->covered = 0;
-    bundle->set_aside = bundle->riding = bundle->has_reciprocals = 0;
-    bundle->has_begins = 0;
-    memset(bundle->tests, 0, sizeof bundle->tests);
+    bundle->scene.unit = job->tree->bvh.unit;
+    bundle->state.made = bundle->state.given_up = bundle->state.nearer = bundle->state.covered = 0;
+    bundle->state.set_aside = bundle->state.riding = bundle->state.has_reciprocals = 0;
+    bundle->has.begins = 0;
+    memset(bundle->state.tests, 0, sizeof bundle->state.tests);
 }
 
 /* Makes the hulls of all packets from the extremes of their rays. They have no covers so far. */
 static void finish_all_hulls(struct mlrt_bundle *bundle)
 {
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
-        finish_depths(bundle, bundle->going, v);
+        finish_depths(bundle, bundle->state.going, v);
         finish_hulls(bundle, v);
-        v_store(bundle->hulls.cover_near + v, v_set1(INFINITY));
-        i_store(bundle->hulls.cover + v, i_set1(MLRT_NONE));
+        v_store(bundle->hulls.closed.cover_near + v, v_set1(INFINITY));
+        i_store(bundle->hulls.closed.cover + v, i_set1(MLRT_NONE));
     }
 }
 
@@ -456,27 +458,27 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
                                           struct mlrt_bundle *bundle)
 {
     struct ray_sample samples[SAMPLE_LIMIT];
-    const uint32_t cells = bundle->closed;
-    const uint32_t sample_count = cells ? 0 : take_samples(bundle->tile, places, bundle->unit, samples);
+    const uint32_t cells = bundle->state.closed;
+    const uint32_t sample_count = cells ? 0 : take_samples(bundle->tile, places, bundle->scene.unit, samples);
     begin_bundle(job, worker, bundle);
-    bundle->going = bundle->apexes = cells;
-    bundle->has_places = 1;
+    bundle->state.going = bundle->state.apexes = cells;
+    bundle->has.places = 1;
     if (!cells && !choose_waist(&job->tree->bvh.core, samples, sample_count, &bundle->cache->waist, &bundle->waist)) {
         return check_odd_packets(bundle, places);
     }
     set_scene_depths(&job->tree->bvh, bundle);
     const int may_be_apex = cells || (memcmp(bundle->waist.point, samples[0].origin, sizeof samples[0].origin) == 0 &&
                                       mlrt_are_float_safe(samples[0].origin));
-    bundle->is_apex = may_be_apex && find_apex(bundle, bundle->apex);
+    bundle->has.apex = may_be_apex && find_apex(bundle, bundle->apex);
     const uint32_t others = add_packets(bundle, places);
-    if (!bundle->going) return others;
-    bundle->has_places = (bundle->going & ~bundle->apexes) != 0;
+    if (!bundle->state.going) return others;
+    bundle->has.places = (bundle->state.going & ~bundle->state.apexes) != 0;
     finish_all_hulls(bundle);
-    bundle->closed = worker->bundles->open_bundles[job->any] ? 0 : bundle->going;
+    bundle->state.closed = worker->bundles->open_bundles[job->any] ? 0 : bundle->state.going;
     if (worker->bundles->open_bundles[job->any]) --worker->bundles->open_bundles[job->any];
-    bundle->closed |= cells;
-    for (uint32_t left = bundle->closed & places; left; left &= left - 1) {
-        if (bundle->tile->packets[mlrt_lowest_bit(left)].has_masks) bundle->closed &= ~(left & (0u - left));
+    bundle->state.closed |= cells;
+    for (uint32_t left = bundle->state.closed & places; left; left &= left - 1) {
+        if (bundle->tile->packets[mlrt_lowest_bit(left)].has.masks) bundle->state.closed &= ~(left & (0u - left));
     }
     set_wide_packets_aside(job, places, bundle);
     sum_up_hulls(bundle);
@@ -489,21 +491,21 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
 static void trace_going_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
     traverse_bundle(job, worker, bundle);
-    uint32_t rest = bundle->riding;
-    if (mlrt_count_bits(bundle->given_up) > MLRT_MOST_GIVEN_UP) {
+    uint32_t rest = bundle->state.riding;
+    if (mlrt_count_bits(bundle->state.given_up) > MLRT_MOST_GIVEN_UP) {
         worker->bundles->lane_tiles[job->any] = MLRT_LANE_TILES;
-        rest |= bundle->going;
+        rest |= bundle->state.going;
     }
     for (uint32_t left = rest; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
-        bundle->closed &= ~(1u << place);
+        bundle->state.closed &= ~(1u << place);
         if (has_rays(bundle, place) || make_rays_of_packet(job, bundle, place)) {
             release_packet(bundle, place);
-            bundle->set_aside |= left & (0u - left);
+            bundle->state.set_aside |= left & (0u - left);
         }
     }
-    bundle->set_aside |= bundle->given_up;
-    for (uint32_t left = bundle->going & ~bundle->made; left; left &= left - 1) {
+    bundle->state.set_aside |= bundle->state.given_up;
+    for (uint32_t left = bundle->state.going & ~bundle->state.made; left; left &= left - 1) {
         if (has_rays(bundle, mlrt_lowest_bit(left))) finish_untouched_packet(bundle, mlrt_lowest_bit(left));
     }
 }
@@ -526,20 +528,21 @@ static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_wo
                                       struct mlrt_bundle *bundle)
 {
     begin_bundle(job, worker, bundle);
-    bundle->is_apex = bundle->apexes && find_apex(bundle, bundle->apex);
-    bundle->has_places = (bundle->going & ~bundle->apexes) != 0;
+    bundle->has.apex = bundle->state.apexes && find_apex(bundle, bundle->apex);
+    bundle->has.places = (bundle->state.going & ~bundle->state.apexes) != 0;
     set_scene_depths(&job->tree->bvh, bundle);
-    for (uint32_t left = ~bundle->going & 0xFFFF; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
+    for (uint32_t left = ~bundle->state.going & 0xFFFF; left; left &= left - 1)
+        leave_bundle(bundle, mlrt_lowest_bit(left));
     finish_all_hulls(bundle);
     if (job->tree->bvh.node_count == 0) return;
-    for (uint32_t left = is_open ? bundle->going : 0; left; left &= left - 1) {
+    for (uint32_t left = is_open ? bundle->state.going : 0; left; left &= left - 1) {
         open_bundle_packet(job, bundle, mlrt_lowest_bit(left));
     }
     sum_up_hulls(bundle);
     bundle->far_first = job->any && ends_closer(bundle);
     keep_bundle_waist(&bundle->waist, bundle->cache);
     trace_going_packets(job, worker, bundle);
-    if (bundle->set_aside) trace_packets_by_lanes(job, worker, bundle->tile, bundle->set_aside);
+    if (bundle->state.set_aside) trace_packets_by_lanes(job, worker, bundle->tile, bundle->state.set_aside);
 }
 
 /* Traces those packets of a tile that fit one bundle. Returns the others, which are to be traced lane by lane. */
@@ -547,15 +550,15 @@ static uint32_t trace_as_bundle(const struct mlrt_job *job, struct mlrt_worker *
                                 uint32_t places)
 {
     const uint32_t others = make_bundle(job, worker, places, bundle);
-    const uint32_t closed = bundle->closed & places;
-    if (8 * mlrt_count_bits(bundle->going) < mlrt_count_bits(others))
+    const uint32_t closed = bundle->state.closed & places;
+    if (8 * mlrt_count_bits(bundle->state.going) < mlrt_count_bits(others))
         worker->bundles->lane_tiles[job->any] = MLRT_LANE_TILES;
-    if (!bundle->going) return others;
+    if (!bundle->state.going) return others;
     trace_going_packets(job, worker, bundle);
-    if (closed && !(bundle->closed & bundle->going & places) && !(bundle->covered & places)) {
+    if (closed && !(bundle->state.closed & bundle->state.going & places) && !(bundle->state.covered & places)) {
         worker->bundles->open_bundles[job->any] = MLRT_TILE_RUN;
     }
-    return others | bundle->set_aside;
+    return others | bundle->state.set_aside;
 }
 
 /*
@@ -566,14 +569,14 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
                                        struct mlrt_bundle *bundle, uint32_t places)
 {
     struct mlrt_ray_tile *tile = bundle->tile;
-    const uint32_t cells = bundle->closed;
+    const uint32_t cells = bundle->state.closed;
     uint32_t alone = 0;
-    bundle->unit = job->tree->bvh.unit;
+    bundle->scene.unit = job->tree->bvh.unit;
     for (uint32_t left = places; left; left &= left - 1) {
         struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(left)];
         packet->active |= packet->single;
         packet->single = 0;
-        if (job->tree->bvh.node_count == 0) mlrt_fill_words(packet->triangle, MLRT_NONE);
+        if (job->tree->bvh.node_count == 0) mlrt_fill_words(packet->nearest.triangle, MLRT_NONE);
     }
     if (job->tree->bvh.node_count == 0) return;
     if (!cells && !(places & (places - 1))) {

@@ -68,7 +68,7 @@ static MLRT_NOINLINE uint32_t find_ray_scales(const struct mlrt_packet *packet, 
         const vf t_min = v_mul(v_load(packet->t_min + v), v_load(scales->time + v));
         vm fits = v_le(t_min, v_set1(MLRT_BVH_FAR));
         for (int k = 0; k < 3; ++k) {
-            const vf given = packet->has_apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
+            const vf given = packet->has.apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
             const vf origin = v_mul(given, scale), d = v_load(packet->direction[k] + v);
             fits = m_and(fits, m_and(v_le(v_abs(origin), v_set1(MLRT_SAFE_MAX)), v_eq(v_mul(origin, inverse), given)));
             const vf size = v_abs(v_mul(d, v_load(scales->direction + v)));
@@ -95,18 +95,20 @@ static MLRT_NOINLINE void check_packet_in_units(uint32_t lanes, float unit, stru
 /* Copies the nearest hit of a lane from the packet as given to the scaled one. */
 static void scale_nearest(struct mlrt_scaled_packet *scaled, uint32_t lane)
 {
-    scaled->rays.triangle[lane] = scaled->given->triangle[lane];
-    scaled->rays.lo[lane] = mlrt_float_down(scaled->given->lo[lane] * (double)scaled->scales.time[lane]);
-    scaled->rays.hi[lane] = mlrt_float_up(scaled->given->hi[lane] * (double)scaled->scales.time[lane]);
+    scaled->rays.nearest.triangle[lane] = scaled->given->nearest.triangle[lane];
+    scaled->rays.nearest.lo[lane] =
+        mlrt_float_down(scaled->given->nearest.lo[lane] * (double)scaled->scales.time[lane]);
+    scaled->rays.nearest.hi[lane] = mlrt_float_up(scaled->given->nearest.hi[lane] * (double)scaled->scales.time[lane]);
 }
 
 /* Copies the nearest hit of a lane from the scaled packet to the one as given. */
 static void unscale_nearest(const struct mlrt_scaled_packet *scaled, uint32_t lane)
 {
     struct mlrt_packet *given = scaled->given;
-    given->triangle[lane] = scaled->rays.triangle[lane];
-    given->lo[lane] = mlrt_float_down(scaled->rays.lo[lane] * (double)scaled->scales.inverse_time[lane]);
-    given->hi[lane] = mlrt_float_up(scaled->rays.hi[lane] * (double)scaled->scales.inverse_time[lane]);
+    given->nearest.triangle[lane] = scaled->rays.nearest.triangle[lane];
+    given->nearest.lo[lane] =
+        mlrt_float_down(scaled->rays.nearest.lo[lane] * (double)scaled->scales.inverse_time[lane]);
+    given->nearest.hi[lane] = mlrt_float_up(scaled->rays.nearest.hi[lane] * (double)scaled->scales.inverse_time[lane]);
 }
 
 /*
@@ -120,17 +122,17 @@ static MLRT_NOINLINE uint32_t scale_packet(uint32_t lanes, float unit, struct ml
     struct mlrt_packet *rays = &scaled->rays;
     *rays = *packet;
     scaled->given = packet;
-    for (int k = 0; k < 3 && packet->has_apex; ++k) rays->apex[k] = packet->apex[k] * unit;
+    for (int k = 0; k < 3 && packet->has.apex; ++k) rays->apex[k] = packet->apex[k] * unit;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf time = v_load(scaled->scales.time + v), spare = v_set1(0x1p-126f);
         for (int k = 0; k < 3; ++k) {
             v_store(rays->direction[k] + v,
                     v_mul(v_load(packet->direction[k] + v), v_load(scaled->scales.direction + v)));
-            if (!packet->has_apex) v_store(rays->origin[k] + v, v_mul(v_load(packet->origin[k] + v), v_set1(unit)));
+            if (!packet->has.apex) v_store(rays->origin[k] + v, v_mul(v_load(packet->origin[k] + v), v_set1(unit)));
         }
         v_store(rays->t_min + v, v_max(v_sub(v_mul(v_load(packet->t_min + v), time), spare), v_set1(0)));
-        v_store(rays->lo + v, v_mul(v_load(packet->lo + v), time));
-        v_store(rays->hi + v, v_add(v_mul(v_load(packet->hi + v), time), spare));
+        v_store(rays->nearest.lo + v, v_mul(v_load(packet->nearest.lo + v), time));
+        v_store(rays->nearest.hi + v, v_add(v_mul(v_load(packet->nearest.hi + v), time), spare));
     }
     return carried;
 }
@@ -143,7 +145,7 @@ static MLRT_NOINLINE void take_scaled_hits(const struct mlrt_scaled_packet *scal
 {
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
-        if (scaled->rays.triangle[lane] != scaled->given->triangle[lane]) unscale_nearest(scaled, lane);
+        if (scaled->rays.nearest.triangle[lane] != scaled->given->nearest.triangle[lane]) unscale_nearest(scaled, lane);
     }
 }
 
@@ -155,7 +157,7 @@ static void reload_nearest(struct mlrt_scaled_packet *scaled, uint32_t lanes, ui
 {
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
-        scaled->rays.triangle[lane] = scaled->given->triangle[lane]; /* a tie may have changed it */
+        scaled->rays.nearest.triangle[lane] = scaled->given->nearest.triangle[lane]; /* a tie may have changed it */
         if (nearer >> lane & 1) scale_nearest(scaled, lane);
     }
 }
@@ -179,11 +181,11 @@ static MLRT_NOINLINE uint32_t decide_scaled_lanes(const struct mlrt_job *job, ui
  */
 static int passes_box(const struct mlrt_packet *packet, uint32_t lane, const struct mlrt_triangle *triangle)
 {
-    double enter = packet->t_min[lane], exit = packet->hi[lane];
+    double enter = packet->t_min[lane], exit = packet->nearest.hi[lane];
     for (int k = 0; k < 3; ++k) {
         const double a = triangle->v[0][k], b = triangle->v[1][k], c = triangle->v[2][k];
         const double lo = fmin(fmin(a, b), c), hi = fmax(fmax(a, b), c), d = packet->direction[k][lane];
-        const double o = packet->has_apex ? packet->apex[k] : packet->origin[k][lane];
+        const double o = packet->has.apex ? packet->apex[k] : packet->origin[k][lane];
         if (d == 0) {
             if (o < lo || o > hi) return 1;
             continue;
