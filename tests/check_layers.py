@@ -6,7 +6,8 @@ Reads every #include of src and fails if
   - a file includes one of a folder above its own, or beside it (LAYERS);
   - files include each other in a circle;
   - a file that is not compiled once per instruction set includes text that is (UNITS);
-  - a header does not compile alone, as it is found: with what it includes, and nothing before it.
+  - a header does not compile alone, as it is found: with what it includes, and nothing before it;
+  - a struct has more members than anyone keeps in mind (MEMBERS), and no parts.
 """
 import os
 import re
@@ -27,6 +28,8 @@ LAYERS = [
     ["simd"],
     ["base"],
 ]
+
+MEMBERS = 12
 
 # What is compiled once per instruction set; what includes CHOSEN is text for them.
 UNITS = ["isa/scalar.c", "isa/sse.c", "isa/sse_kdtree.c", "isa/avx2.c", "isa/avx512.c"]
@@ -119,6 +122,24 @@ def find_leaks(includes):
                     yield f"{file}: {name} is text for instruction sets"
 
 
+def find_crowds(includes):
+    """Structs of too many members; a part counts as one."""
+    for file in includes:
+        with open(os.path.join(SOURCE, file), encoding="utf-8") as text:
+            code = re.sub(r"/\*.*?\*/|//[^\n]*", "", text.read(), flags=re.S)
+        for begin in re.finditer(r"\b(?:struct|union)\s*(\w*)\s*\{", code):
+            depth, own = 1, ""
+            for character in code[begin.end() :]:
+                depth += {"{": 1, "}": -1}.get(character, 0)
+                if depth == 0:
+                    break
+                own += character if depth == 1 else ""
+            bare = re.sub(r"\([^()]*\)", "", re.sub(r"\[[^\]]*\]|\([^()]*\)", "", own))
+            members = sum(1 + line.count(",") for line in bare.split(";") if line.strip())
+            if members > MEMBERS:
+                yield f"{file}: {begin.group(1) or 'a struct'} has {members} members, more than {MEMBERS}"
+
+
 def compile_alone(header, compiler):
     """The compiler's first words, or none."""
     flags = FLAGS.get(header, [])
@@ -138,7 +159,7 @@ def main():
     wrong = list(find_strays(includes))
     wrong += [f"arrow upward: {arrow}" for arrow in find_arrows(includes)]
     wrong += ["circle: " + " -> ".join(circle) for circle in find_circles(includes)]
-    wrong += list(find_leaks(includes))
+    wrong += list(find_leaks(includes)) + list(find_crowds(includes))
     headers = [file for file in includes if file.endswith(".h")]
     for header in headers:
         words = compile_alone(header, compiler)
@@ -147,7 +168,7 @@ def main():
     if wrong:
         sys.exit("check-layers:\n" + "\n".join(wrong))
     print(f"check-layers: {len(includes)} files in {len(LEVEL)} folders, no arrow upward, no circle; "
-          f"{len(headers)} headers compile alone")
+          f"{len(headers)} headers compile alone; no struct over {MEMBERS} members")
 
 
 if __name__ == "__main__":
