@@ -41,7 +41,6 @@ FLAGS = {
     "simd/sse.h": ["-msse2"],
     "simd/avx2.h": ["-mavx2", "-mfma"],
     "simd/avx512.h": ["-mavx512f", "-mavx512dq"],
-    "simd/four_doubles_avx2.h": ["-mavx2"],
 }
 
 SOURCE = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "src")

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * t, u, v and facing of the hits of a packet (rule R5), a vector of doubles at a time. The bits are those of
- * mlrt_report_hit, which computes them for one ray, since each number is the float nearest to the same exact quotient.
+ * t, u, v and facing of the hits of a packet, or of one ray (rule R5), a vector of doubles at a time. The bits are those
+ * of the judge (mlrt_report_hit), since each number is the float nearest to the same exact quotient.
  *
  * With p = a - o, the determinants are those at the head of predicate.c:
  *
@@ -259,24 +259,21 @@ static uint32_t report_from_apex(const struct mlrt_packet *packet, const double 
 
 /* Computes the numbers of DW rays, whose origins or triangles differ: those of `lane` and the next ones of `values`. */
 MLRT_INLINE uint32_t report_rays(const struct plane_terms *plane, const vd origin[3], const vd direction[3],
-                                 double direction_size, uint32_t outputs, uint32_t lane,
-                                 struct mlrt_packet_values *values)
+                                 vd direction_size, uint32_t outputs, uint32_t lane, struct mlrt_packet_values *values)
 {
     vd moment[3];
     struct lane_denominator denominator;
     struct start_terms start;
     set_start_terms(plane, origin, outputs, &start);
     const vd d = fused_dot_product(direction, plane->normal);
-    const vd d_size = d_mul(plane->normal_size, d_set1(direction_size));
-    uint32_t certain = invert_denominator(d, d_size, &denominator);
+    uint32_t certain = invert_denominator(d, d_mul(plane->normal_size, direction_size), &denominator);
     if (outputs & MLRT_OUTPUT_T) certain &= round_quotients(start.n, start.n_width, &denominator, values->t + lane);
     if (outputs & MLRT_OUTPUT_UV) {
         fused_cross_product(start.p, direction, moment);
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
-            certain &=
-                round_quotients(fused_dot_product(plane->side[i], moment),
-                                d_mul(start.edge_width[i], d_set1(direction_size)), &denominator, values->uv[i] + lane);
+            certain &= round_quotients(fused_dot_product(plane->side[i], moment),
+                                       d_mul(start.edge_width[i], direction_size), &denominator, values->uv[i] + lane);
         }
     }
     return certain << lane | (outputs & MLRT_OUTPUT_FACING ? d_gt(d, d_set1(0)) : 0) << (16 + lane);
@@ -292,7 +289,7 @@ MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct
         origin[k] = packet->has.apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
     }
     load_directions(packet, lane, direction);
-    return report_rays(plane, origin, direction, direction_size, outputs, lane, values);
+    return report_rays(plane, origin, direction, d_set1(direction_size), outputs, lane, values);
 }
 
 /* Computes the numbers of a packet whose hits are all of one triangle, from different origins. */
@@ -393,6 +390,25 @@ static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet
         }
     }
     if (hit != 0xFFFF) report_misses(hit, values);
+}
+
+/* The numbers of one ray's hit: those of DW equal rays. Returns 0 and sets nothing if the judge has to compute them. */
+MLRT_INLINE int report_one_ray(const struct mlrt_corners *of, const float origin[3], const float direction[3],
+                               struct mlrt_hit_report *report)
+{
+    vd corner[9], o[3], d[3];
+    struct plane_terms plane;
+    struct mlrt_packet_values values;
+    MLRT_UNROLL
+    for (uint32_t i = 0; i < 9; ++i) corner[i] = d_set1(of->corner[i * of->row]);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) o[k] = d_set1(origin[k]), d[k] = d_set1(direction[k]);
+    set_plane_terms(corner, &plane);
+    const uint32_t reported =
+        report_rays(&plane, o, d, size_of_doubles(d), MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, 0, &values);
+    if (MLRT_UNLIKELY(!(reported & 1))) return 0;
+    *report = (struct mlrt_hit_report){values.t[0], values.uv[0][0], values.uv[1][0], reported >> 16 & 1 ? 1 : -1};
+    return 1;
 }
 
 #endif

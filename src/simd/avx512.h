@@ -5,7 +5,6 @@
 
 #include <immintrin.h>
 
-#include "simd/four_doubles_avx2.h"
 #include "simd/quad_sse.h"
 
 #define VW        16

@@ -23,7 +23,6 @@
 #include <string.h>
 
 #include "base/platform.h"
-#include "simd/four_doubles.h"
 #include "simd/quad_scalar.h"
 
 #define VW        1

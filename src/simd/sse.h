@@ -5,7 +5,6 @@
 
 #include <emmintrin.h>
 
-#include "simd/four_doubles.h"
 #include "simd/quad_sse.h"
 
 #define VW        4

@@ -5,25 +5,10 @@
 #ifndef MLRT_TRACE_ONE_RAY_H
 #define MLRT_TRACE_ONE_RAY_H
 
-#include "hits/report_ray.h"
+#include "hits/hit_numbers.h"
 #include "job/write_arrays.h"
 #include "rays/lone_ray.h"
 #include "trace/single_ray.h"
-
-/*
- * Sets t, u, v and facing of a hit. Returns 0 and sets nothing if the judge has to compute them, which is always so
- * without vectors of four doubles, where the judge is as fast.
- */
-MLRT_INLINE int report_lone_ray(const struct mlrt_corners *corners, const struct mlrt_lone_ray *ray,
-                                struct mlrt_hit_report *report)
-{
-#if VW >= 8
-    return report_one_ray(corners, ray->origin, ray->direction, report);
-#else
-    (void)corners, (void)ray, (void)report;
-    return 0;
-#endif
-}
 
 /* Traces a ray through boxes whose unit is not 1. Returns 0 and sets nothing if float does not carry it into units. */
 static MLRT_NOINLINE int trace_one_in_units(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
@@ -46,7 +31,8 @@ static int trace_one_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ra
     struct mlrt_hit_report report;
     if (MLRT_UNLIKELY(tree->bvh.unit != 1)) return trace_one_in_units(tree, ray, hit);
     const uint32_t number = tree->bvh.node_count > 0 ? trace_lone_ray(tree, ray, &corners) : MLRT_NONE;
-    if (number == MLRT_NONE || ray->any || MLRT_UNLIKELY(!report_lone_ray(&corners, ray, &report))) {
+    if (number == MLRT_NONE || ray->any ||
+        MLRT_UNLIKELY(!report_one_ray(&corners, ray->origin, ray->direction, &report))) {
         mlrt_set_result(tree, ray, number, hit);
         return 1;
     }
