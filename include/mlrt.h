@@ -577,10 +577,11 @@ MLRT_API void mlrt_destroy_pool(mlrt_pool *pool);
 
 /*
  * Methods: mlrt_trace_options.method. The answers are the same from each. RAY traces trees of both structures, each
- * other one trees of one structure; in trees of the other it is MLRT_ERROR_UNSUPPORTED.
+ * other one trees of one structure; in trees of the other it is MLRT_ERROR_UNSUPPORTED. In mlrt_trace_ray the ray goes
+ * alone, whatever the method.
  */
 enum {
-    MLRT_METHOD_DEFAULT = 0, /* boxes: TILE; kd-tree: MULTILEVEL, the paper's. In mlrt_trace_ray the ray goes alone */
+    MLRT_METHOD_DEFAULT = 0, /* boxes: TILE; kd-tree: MULTILEVEL, the paper's */
     MLRT_METHOD_RAY = 1,     /* one ray at a time in double, plain C: the reference */
     MLRT_METHOD_PACKET2 = 2, /* kd-tree: 2x2 rays with masks (I. Wald et al., "Interactive Rendering with Coherent Ray
                                 Tracing", 2001) */

@@ -128,46 +128,15 @@ static float resolve_t_max(const mlrt_ray *ray)
     return bits << 1 ? ray->t_max : INFINITY;
 }
 
-/* Traces one ray, by a method other than ray, as a list of one. The arrays of the list are the fields of `hit`. */
-static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options, int any,
-                             mlrt_hit *hit)
-{
-    const float t_max = resolve_t_max(ray);
-    const uint32_t skip[2] = {ray->skip_mesh, ray->skip_triangle};
-    const mlrt_rays rays = {.struct_size = sizeof rays,
-                            .count = 1,
-                            .origins = {ray->origin, 0},
-                            .directions = {ray->direction, 0},
-                            .t_min = {&ray->t_min, 0},
-                            .t_max = {&t_max, 0},
-                            .skip = {ray->flags & MLRT_RAY_SKIP ? skip : NULL, 0}};
-    uint8_t occluded = 0;
-    const mlrt_hits closest = {.struct_size = sizeof closest,
-                               .t = {&hit->t, 0, 0},
-                               .u = {&hit->u, 0, 0},
-                               .v = {&hit->v, 0, 0},
-                               .mesh = {&hit->mesh, 0, 0},
-                               .triangle = {&hit->triangle, 0, 0},
-                               .facing = {&hit->facing, 0, 0}};
-    const mlrt_hits shadow = {.struct_size = sizeof shadow, .occluded = {&occluded, 0, 0}};
-    mlrt_trace_options alone = *options;
-    alone.host = NULL;
-    const int32_t status = mlrt_trace_packet(tree, &rays, &alone, any ? &shadow : &closest);
-    if (status == MLRT_OK) hit->occluded = any ? occluded : hit->triangle != MLRT_NONE;
-    return status;
-}
-
 /* Traces one ray with all checks of a call. */
-static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray *ray,
-                                           const mlrt_trace_options *options, struct mlrt_lone_ray *lone, mlrt_hit *hit)
+static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_trace_options *options,
+                                           struct mlrt_lone_ray *lone, mlrt_hit *hit)
 {
     struct mlrt_call call;
     struct mlrt_job job;
     int32_t status = mlrt_take_options(options, &call);
     if (status == MLRT_OK) status = resolve_options(tree, call.options, &job);
     if (status != MLRT_OK) return status;
-    if (call.options->method != MLRT_METHOD_DEFAULT && call.options->method != MLRT_METHOD_RAY)
-        return trace_as_list(tree, ray, call.options, job.any, hit);
     mlrt_counters own = {.struct_size = 0};
     mlrt_counters *counters = call.options->counters;
     const uint64_t environment = mlrt_enter_fp_environment();
@@ -232,7 +201,7 @@ static MLRT_NOINLINE int32_t trace_any_ray(const mlrt_tree *tree, const mlrt_ray
         if (is_plain) lone.kernels = mlrt_select_kernels(tree->structure, options->isa, MLRT_METHOD_DEFAULT, 0);
         is_plain &= lone.kernels != NULL;
     }
-    if (!is_plain) return trace_as_call(tree, ray, options, &lone, hit);
+    if (!is_plain) return trace_as_call(tree, options, &lone, hit);
     const uint64_t environment = mlrt_enter_fp_environment();
     mlrt_trace_lone_ray(tree, &lone, hit);
     mlrt_leave_fp_environment(environment);

@@ -165,7 +165,7 @@ pub const MLRT_RULE_RETRACTION: u32 = 16;
 /// use the data where it lies: it must stay unchanged until the tree is destroyed
 pub const MLRT_LOAD_IN_PLACE: u32 = 1;
 
-/// boxes: TILE; kd-tree: MULTILEVEL, the paper's. In mlrt_trace_ray the ray goes alone
+/// boxes: TILE; kd-tree: MULTILEVEL, the paper's
 pub const MLRT_METHOD_DEFAULT: i32 = 0;
 
 /// one ray at a time in double, plain C: the reference
