@@ -114,38 +114,47 @@ void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh
     *triangle = number - tree->meshes.first[position];
 }
 
-void mlrt_set_result(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit)
+void mlrt_set_hit(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t number, uint32_t outputs,
+                  mlrt_hit *hit)
 {
-    struct mlrt_hit_report report;
-    struct mlrt_ray_segment segment = {.t_max = INFINITY, .mask = MLRT_MASK_ALL};
-    if (number == MLRT_NONE) {
-        mlrt_set_miss(ray->any, hit);
-        return;
-    }
-    hit->occluded = 1;
-    if (ray->any) return;
-    memcpy(segment.origin, ray->given_origin, sizeof segment.origin);
-    memcpy(segment.direction, ray->given_direction, sizeof segment.direction);
-    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
-    mlrt_report_hit(&segment, &triangle, MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, &report);
+    struct mlrt_hit_report report = {0, 0, 0, 0};
+    mlrt_set_miss(0, hit);
+    if (number == MLRT_NONE) return;
     mlrt_find_ids(tree, number, &hit->mesh, &hit->triangle);
+    if (!outputs) return;
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+    mlrt_report_hit(ray, &triangle, outputs, &report);
     hit->t = report.t;
     hit->u = report.u;
     hit->v = report.v;
     hit->facing = report.facing;
 }
 
-void mlrt_write_hits(const mlrt_hit *hits, uint32_t count, const struct mlrt_sink *sink)
+void mlrt_set_result(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit)
 {
-    for (int c = 0; c < MLRT_CHANNEL_OCCLUDED; ++c) {
-        const size_t stride = sink->channel[c].stride;
-        unsigned char *at = sink->channel[c].data;
-        const unsigned char *value = (const unsigned char *)&hits->t + 4 * c;
-        for (uint32_t i = 0; at && i < count; ++i) memcpy(at + i * stride, value + i * sizeof *hits, 4);
+    struct mlrt_ray_segment segment = {.t_max = INFINITY, .mask = MLRT_MASK_ALL};
+    if (!ray->any) {
+        memcpy(segment.origin, ray->given_origin, sizeof segment.origin);
+        memcpy(segment.direction, ray->given_direction, sizeof segment.direction);
+        mlrt_set_hit(tree, &segment, number, MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, hit);
     }
-    const size_t stride = sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
-    unsigned char *at = sink->channel[MLRT_CHANNEL_OCCLUDED].data;
-    for (uint32_t i = 0; at && i < count; ++i) at[i * stride] = (uint8_t)hits[i].occluded;
+    hit->occluded = number != MLRT_NONE;
+}
+
+void mlrt_write_hits(const mlrt_hit *hits, size_t first, uint32_t count, const struct mlrt_sink *sink)
+{
+    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
+        const size_t stride = sink->channel[c].stride;
+        if (!sink->channel[c].data) continue;
+        unsigned char *at = sink->channel[c].data + first * stride;
+        for (uint32_t i = 0; i < count; ++i, at += stride) {
+            if (c == MLRT_CHANNEL_OCCLUDED) {
+                *at = (uint8_t)hits[i].occluded;
+            } else {
+                memcpy(at, (const unsigned char *)&hits[i].t + 4 * c, 4);
+            }
+        }
+    }
 }
 
 void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_ray_segment *ray)

@@ -123,10 +123,17 @@ void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh
 /* rays/lone_ray.h */
 struct mlrt_lone_ray;
 
+/*
+ * Sets all fields of a hit but `occluded`, for triangle `number`; a miss for MLRT_NONE. The judge computes the numbers
+ * that `outputs` asks for; the others have no meaning.
+ */
+void mlrt_set_hit(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t number, uint32_t outputs,
+                  mlrt_hit *hit);
+
 /* Sets the fields of a hit that a ray's query writes, for triangle `number`; a miss for MLRT_NONE. */
 void mlrt_set_result(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit);
 
-/* Writes the hits of the first rays of a list, `count` of them, to all channels. */
-void mlrt_write_hits(const mlrt_hit *hits, uint32_t count, const struct mlrt_sink *sink);
+/* Writes `count` hits to all channels of a list, from element `first` on. */
+void mlrt_write_hits(const mlrt_hit *hits, size_t first, uint32_t count, const struct mlrt_sink *sink);
 
 #endif

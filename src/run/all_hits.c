@@ -2,7 +2,6 @@
 /* All hits of rays: one ray after the other. Workers claim pieces of ITEM_RAYS rays. */
 #include "run/all_hits.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "base/counters.h"
@@ -15,9 +14,6 @@
 
 #define ITEM_RAYS 256
 
-/* Indices of the caller's arrays. */
-enum { T, U, V, MESH, TRIANGLE, FACING, CROSSING, TOTAL, CROSSING_TOTAL, ARRAY_COUNT };
-
 struct worker {
     struct mlrt_hit_list list;
     mlrt_counters counters;
@@ -26,50 +22,32 @@ struct worker {
 struct run {
     const struct mlrt_tree *tree;
     const struct mlrt_source *source;
-    uint32_t capacity;              /* places of a ray in the arrays of hits; 0 without such arrays */
-    mlrt_array arrays[ARRAY_COUNT]; /* with strides resolved */
-    uint32_t outputs;               /* for mlrt_report_hit */
+    const mlrt_hit_lists *lists;
+    struct mlrt_sink hits; /* the arrays of hits, `crossing` in place of `occluded` */
+    uint32_t capacity;     /* places of a ray in these; 0 without such arrays, and then no hits are put in order */
     int counting;
     struct worker *workers;
     struct mlrt_progress progress; /* by items */
 };
 
-static void resolve_arrays(const mlrt_hit_lists *lists, struct run *run)
+static void make_sink(const mlrt_hit_lists *lists, struct run *run)
 {
-    const mlrt_array arrays[ARRAY_COUNT] = {lists->t,        lists->u,        lists->v,
-                                            lists->mesh,     lists->triangle, lists->facing,
-                                            lists->crossing, lists->total,    lists->crossing_total};
-    for (int c = 0; c < ARRAY_COUNT; ++c) {
-        mlrt_array *array = &run->arrays[c];
-        *array = arrays[c];
-        if (array->stride == 0) array->stride = c == CROSSING ? 1 : 4;
-        /* Without arrays of hits it stays 0, and no hits are put in order. */
-        if (c < TOTAL && array->data) run->capacity = lists->capacity;
-    }
-    run->outputs = (lists->t.data ? MLRT_OUTPUT_T : 0u) | (lists->u.data || lists->v.data ? MLRT_OUTPUT_UV : 0u) |
-                   (lists->facing.data ? MLRT_OUTPUT_FACING : 0u);
+    const mlrt_hits hits = {.t = lists->t,
+                            .u = lists->u,
+                            .v = lists->v,
+                            .mesh = lists->mesh,
+                            .triangle = lists->triangle,
+                            .facing = lists->facing,
+                            .occluded = lists->crossing};
+    mlrt_make_sink(&hits, 1, 1, &run->hits);
+    mlrt_group_channels(&run->hits);
+    run->capacity = mlrt_sink_is_empty(&run->hits) ? 0 : lists->capacity;
 }
 
-static void write_element(const mlrt_array *array, size_t i, const void *value, size_t size)
+static void write_count(const mlrt_array *array, size_t i, uint32_t count)
 {
-    if (array->data) memcpy((unsigned char *)array->data + i * array->stride, value, size);
-}
-
-/* Writes a hit of a ray to element i; if number is MLRT_NONE, a miss. */
-static void write_hit(const struct run *run, const struct mlrt_ray_segment *ray, uint32_t number, int crossing,
-                      size_t i)
-{
-    const uint8_t crosses = (uint8_t)crossing;
-    struct mlrt_hit_report report = {INFINITY, 0, 0, 0};
-    uint32_t mesh, triangle;
-    mlrt_find_ids(run->tree, number, &mesh, &triangle);
-    if (run->outputs && number != MLRT_NONE) {
-        const struct mlrt_triangle hit = mlrt_triangle_at(&run->tree->by_number, number);
-        mlrt_report_hit(ray, &hit, run->outputs, &report);
-    }
-    const void *const values[] = {&report.t, &report.u, &report.v, &mesh, &triangle, &report.facing};
-    for (int c = T; c <= FACING; ++c) write_element(&run->arrays[c], i, values[c], 4);
-    write_element(&run->arrays[CROSSING], i, &crosses, 1);
+    const size_t stride = array->stride ? array->stride : sizeof count;
+    if (array->data) memcpy((unsigned char *)array->data + i * stride, &count, sizeof count);
 }
 
 static int crosses(const struct run *run, const struct mlrt_ray_segment *ray, uint32_t number)
@@ -103,15 +81,14 @@ static int trace_ray(const struct run *run, struct worker *worker, uint32_t i)
         mlrt_order_hits(&run->tree->by_number, &ray, run->capacity, list, counters);
     }
     if (list->failed) return 0;
-    write_element(&run->arrays[TOTAL], i, &list->count, 4);
-    if (run->arrays[CROSSING_TOTAL].data) {
-        const uint32_t count = count_crossings(run, &ray, list);
-        write_element(&run->arrays[CROSSING_TOTAL], i, &count, 4);
-    }
+    write_count(&run->lists->total, i, list->count);
+    if (run->lists->crossing_total.data) write_count(&run->lists->crossing_total, i, count_crossings(run, &ray, list));
     for (uint32_t j = 0; j < run->capacity; ++j) {
         const uint32_t number = j < list->count ? list->hits[j].triangle : MLRT_NONE;
-        const int crossing = number != MLRT_NONE && run->arrays[CROSSING].data && crosses(run, &ray, number);
-        write_hit(run, &ray, number, crossing, (size_t)i * run->capacity + j);
+        mlrt_hit hit;
+        mlrt_set_hit(run->tree, &ray, number, run->hits.numbers, &hit);
+        hit.occluded = number != MLRT_NONE && run->lists->crossing.data && crosses(run, &ray, number);
+        mlrt_write_hits(&hit, (size_t)i * run->capacity + j, 1, &run->hits);
     }
     return 1;
 }
@@ -137,8 +114,8 @@ static int32_t run_item(void *work, uint32_t item, uint32_t number)
 int32_t mlrt_run_all_hits(const struct mlrt_tree *tree, const struct mlrt_source *source, const mlrt_hit_lists *lists,
                           const struct mlrt_run_options *options)
 {
-    struct run run = {.tree = tree, .source = source, .counting = options->counters != NULL};
-    resolve_arrays(lists, &run);
+    struct run run = {.tree = tree, .source = source, .lists = lists, .counting = options->counters != NULL};
+    make_sink(lists, &run);
     if (source->count == 0) return mlrt_end_nothing(&options->host);
     const uint32_t worker_count = mlrt_worker_count(options->pool);
     const uint32_t item_count = (source->count - 1) / ITEM_RAYS + 1;

@@ -87,6 +87,6 @@ int mlrt_trace_few_rays(const struct mlrt_job *job)
         mlrt_read_ray(&job->source, i, room, &ray);
         mlrt_trace_lone_ray(job->tree, &ray, &hits[i]);
     }
-    mlrt_write_hits(hits, job->source.count, &job->frame);
+    mlrt_write_hits(hits, 0, job->source.count, &job->frame);
     return 1;
 }
