@@ -373,51 +373,6 @@ static void signs_that_are_known_are_kept(void **state)
     }
 }
 
-static void points_that_rays_meet(void **state)
-{
-    (void)state;
-    struct random random = {2};
-    struct tally tally = {0, 0, 0};
-    for (size_t c = 0; c < scaled(CASES); c++) {
-        const uint64_t seed = random.state;
-        struct input input;
-        struct frame frame = no_frame;
-        draw_input(&input, &random);
-        const float *point = input.first.v[draw_below(&random, 8) == 0];
-        widen(&frame, input.ray.origin);
-        widen(&frame, point);
-        int meets = -1;
-        const int answered = mlrt_grid_meets_point(&input.ray, point, &meets);
-        if (!count_case(&tally, answered, fits(frame) && direction_fits(&input), &input, seed)) continue;
-        evaluate(&input);
-        cross_vectors(&normal, &direction, &corner[0][point != input.first.v[0]]);
-        const int expected = mpz_sgn(normal[0]) == 0 && mpz_sgn(normal[1]) == 0 && mpz_sgn(normal[2]) == 0;
-        if (meets != expected) fail_input(&input, seed, "meets point");
-        tally.zeros += meets == 1;
-    }
-    assert_all_kinds(tally);
-}
-
-/* Each component of the moment alone: a ray beside the point in one direction only. */
-static void points_that_rays_pass_along_one_axis(void **state)
-{
-    (void)state;
-    for (int along = 0; along < 3; along++) {
-        for (int beside = 1; beside < 3; beside++) {
-            struct mlrt_ray_segment ray = {{1, 1, 1}, {0, 0, 0}, 0, INFINITY, ~0u};
-            float point[3] = {1, 1, 1};
-            int meets = -1;
-            ray.direction[along] = -1;
-            point[along] = -0x1p20f;
-            assert_int_equal(mlrt_grid_meets_point(&ray, point, &meets), 1);
-            assert_int_equal(meets, 1);
-            point[(along + beside) % 3] = next_float(1, 1);
-            assert_int_equal(mlrt_grid_meets_point(&ray, point, &meets), 1);
-            assert_int_equal(meets, 0);
-        }
-    }
-}
-
 static void distance_signs(void **state)
 {
     (void)state;
@@ -619,20 +574,17 @@ static void the_widest_grid(void **state)
         const float larger = float_of_bits((unit + WIDEST + 1) << 23);
         struct mlrt_ray_segment ray = {{-small, 0, 0}, {0, 0, 1}, 0, INFINITY, ~0u};
         struct mlrt_triangle triangle = {{{large, -large, -0.0f}, {-large, large, 0}, {large, large, large}}};
-        int sign = -2, signs[3] = {0, 0, 0}, meets = -1;
+        int sign = -2, signs[3] = {0, 0, 0};
         double quotient[3];
         assert_int_equal(mlrt_grid_distance_sign(&triangle, ray.origin, &sign), 1);
         assert_int_equal(sign, 1); // the first edge passes above the origin, on the side of n
         assert_int_equal(mlrt_grid_edge_signs(&ray, &triangle, signs), 1);
-        assert_int_equal(mlrt_grid_meets_point(&ray, triangle.v[0], &meets), 1);
-        assert_int_equal(meets, 0);
         assert_int_equal(mlrt_grid_order(&ray, &triangle, &triangle, &sign), 1);
         assert_int_equal(sign, 0);
         assert_int_equal(mlrt_grid_quotients(&ray, &triangle, quotient), 1);
         triangle.v[0][0] = larger;
         assert_int_equal(mlrt_grid_distance_sign(&triangle, ray.origin, &sign), 0);
         assert_int_equal(mlrt_grid_edge_signs(&ray, &triangle, signs), 0);
-        assert_int_equal(mlrt_grid_meets_point(&ray, triangle.v[0], &meets), 0);
         assert_int_equal(mlrt_grid_order(&ray, &triangle, &triangle, &sign), 0);
         assert_int_equal(mlrt_grid_quotients(&ray, &triangle, quotient), 0);
     }
@@ -643,8 +595,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(edge_signs),
         cmocka_unit_test(signs_that_are_known_are_kept),
-        cmocka_unit_test(points_that_rays_meet),
-        cmocka_unit_test(points_that_rays_pass_along_one_axis),
         cmocka_unit_test(distance_signs),
         cmocka_unit_test(orders),
         cmocka_unit_test(quotients),
@@ -665,7 +615,6 @@ static void there_is_no_grid(void **state)
     int sign[3] = {0, 0, 0};
     double quotient[3];
     assert_int_equal(mlrt_grid_edge_signs(&ray, &triangle, sign), 0);
-    assert_int_equal(mlrt_grid_meets_point(&ray, triangle.v[0], sign), 0);
     assert_int_equal(mlrt_grid_distance_sign(&triangle, ray.origin, sign), 0);
     assert_int_equal(mlrt_grid_order(&ray, &triangle, &triangle, sign), 0);
     assert_int_equal(mlrt_grid_quotients(&ray, &triangle, quotient), 0);

@@ -791,21 +791,6 @@ static void the_same_triangle_twice(void **state)
     assert_true(equal_count > CASES_PER_KIND / 2);
 }
 
-static void the_same_vertices_in_any_order(void **state)
-{
-    (void)state;
-    const int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
-    const struct mlrt_triangle first = {{{0, 1, 2}, {3, 4, 5}, {6, 7, 8}}};
-    for (int i = 0; i < 6; ++i) {
-        struct mlrt_triangle second;
-        for (int j = 0; j < 3; ++j) memcpy(second.v[j], first.v[orders[i][j]], sizeof second.v[j]);
-        if (second.v[0][0] == 0) second.v[0][0] = -0.0f;
-        assert_int_equal(same_vertices(&first, &second), 1);
-        second.v[i / 2][i % 3] += 1;
-        assert_int_equal(same_vertices(&first, &second), 0);
-    }
-}
-
 static void triangles_in_one_plane(void **state)
 {
     (void)state;
@@ -1212,7 +1197,6 @@ int main(void)
         cmocka_unit_test(corners_too_far_for_a_grid),
         cmocka_unit_test(unrelated_triangles),
         cmocka_unit_test(the_same_triangle_twice),
-        cmocka_unit_test(the_same_vertices_in_any_order),
         cmocka_unit_test(triangles_in_one_plane),
         cmocka_unit_test(ties_too_wide_for_a_grid),
         cmocka_unit_test(walls_across_one_axis),

@@ -200,18 +200,6 @@ int mlrt_grid_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_t
     return 1;
 }
 
-int mlrt_grid_meets_point(const struct mlrt_ray_segment *ray, const float point[3], int *meets)
-{
-    struct grid grid;
-    int64_t to_point[3];
-    int128 moment[3];
-    if (!make_grid(ray->origin, ray->direction, point, 3, NULL, &grid)) return 0;
-    subtract_on_grid(point, ray->origin, grid.scale, to_point);
-    cross_product(grid.direction, to_point, moment);
-    *meets = is_zero(moment);
-    return 1;
-}
-
 int mlrt_grid_distance_sign(const struct mlrt_triangle *triangle, const float point[3], int *sign)
 {
     struct grid grid;

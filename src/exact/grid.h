@@ -19,9 +19,6 @@
 /* The signs of e_ab, e_bc, e_ca in sign[]: an entry that is not 0 on entry is known and stays. */
 int mlrt_grid_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int sign[3]);
 
-/* *meets: 1 if the ray's line goes through the point, else 0. */
-int mlrt_grid_meets_point(const struct mlrt_ray_segment *ray, const float point[3], int *meets);
-
 /* *sign: the sign of (a - point) . n. */
 int mlrt_grid_distance_sign(const struct mlrt_triangle *triangle, const float point[3], int *sign);
 
@@ -38,7 +35,6 @@ static inline int mlrt_has_no_grid(const void *first, ...)
     return (void)first, 0;
 }
 #define mlrt_grid_edge_signs    mlrt_has_no_grid
-#define mlrt_grid_meets_point   mlrt_has_no_grid
 #define mlrt_grid_distance_sign mlrt_has_no_grid
 #define mlrt_grid_order         mlrt_has_no_grid
 #define mlrt_grid_quotients     mlrt_has_no_grid

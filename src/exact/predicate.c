@@ -526,22 +526,6 @@ int mlrt_crosses_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_
 
 /* ---- nearer ------------------------------------------------------------------------------------------------------ */
 
-/* 1 if the triangles have the same three vertices, in any order: then they share their plane. */
-static int same_vertices(const struct mlrt_triangle *first, const struct mlrt_triangle *second)
-{
-    for (int start = 0; start < 3; ++start) {
-        for (int step = 1; step <= 2; ++step) {
-            int same = 1;
-            for (int i = 0; same && i < 3; ++i) {
-                const float *v = first->v[i], *w = second->v[(start + i * step) % 3];
-                same = v[0] == w[0] && v[1] == w[1] && v[2] == w[2];
-            }
-            if (same) return 1;
-        }
-    }
-    return 0;
-}
-
 static MLRT_NOINLINE int compare_distance_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
                                                   const struct mlrt_triangle *second)
 {
@@ -553,24 +537,8 @@ static MLRT_NOINLINE int compare_distance_exactly(const struct mlrt_ray_segment 
     return d1.sign * d2.sign * exact_sign_of_difference(&n1, &d2, &n2, &d1);
 }
 
-/* 1 if the ray goes through a common corner of the triangles: then it meets both planes there. */
-static int meet_at_corner(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
-                          const struct mlrt_triangle *second)
-{
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            const float *v = first->v[i], *w = second->v[j];
-            int meets;
-            if (v[0] != w[0] || v[1] != w[1] || v[2] != w[2]) continue;
-            if (mlrt_grid_meets_point(ray, v, &meets) && meets) return 1;
-        }
-    }
-    return 0;
-}
-
 /*
- * Distances that double cannot tell apart are mostly equal, in three cases that take little arithmetic: a triangle that
- * the input has twice, triangles with a common corner that the ray goes through, and walls in the same plane across an
+ * Distances that double cannot tell apart are mostly equal, and most of these are walls in the same plane across an
  * axis. For a plane x_k = w, t = (w - o_k) / d_k, so planes w1 and w2 across the same axis compare as
  * sgn(d_k) (w1 - w2).
  */
@@ -583,9 +551,7 @@ static MLRT_NOINLINE int compare_close_distance(const struct mlrt_ray_segment *r
         int sign = (plane_1 > plane_2) - (plane_1 < plane_2);
         return ray->direction[axis] < 0 ? -sign : sign;
     }
-    if (same_vertices(first, second)) return 0;
     if (counters) ++counters->exact_order_count;
-    if (meet_at_corner(ray, first, second)) return 0;
     return compare_distance_exactly(ray, first, second);
 }
 
@@ -619,7 +585,6 @@ int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triang
 {
     for (int axis = 0; axis < 3; ++axis)
         if (is_across(first, axis) && is_across(second, axis)) return first->v[0][axis] == second->v[0][axis];
-    if (same_vertices(first, second)) return 1;
     for (int i = 0; i < 3; ++i)
         if (mlrt_side_of_plane(first, second->v[i]) != 0) return 0;
     return 1;
