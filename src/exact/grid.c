@@ -34,7 +34,6 @@ struct extent {
     int greatest;
 };
 
-/* Extends an extent by `count` numbers. */
 static void extend(struct extent *extent, const float *v, int count)
 {
     for (int k = 0; k < count; ++k) {
@@ -172,7 +171,6 @@ static int make_grid(const float origin[3], const float *direction, const float 
     return 1;
 }
 
-/* 1 if all components are 0. */
 static int is_zero(const int128 cross[3])
 {
     return cross[0] == 0 && cross[1] == 0 && cross[2] == 0;

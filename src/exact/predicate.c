@@ -318,12 +318,6 @@ int mlrt_triangle_has_area(const struct mlrt_triangle *triangle)
     return normal.size > 0 && has_area_exactly(triangle);
 }
 
-/* 1 if the triangle lies in a plane across the axis. */
-static int is_across(const struct mlrt_triangle *triangle, int axis)
-{
-    return triangle->v[0][axis] == triangle->v[1][axis] && triangle->v[0][axis] == triangle->v[2][axis];
-}
-
 static MLRT_NOINLINE int side_of_plane_exactly(const struct mlrt_triangle *triangle, const float point[3])
 {
     int sign;
@@ -385,8 +379,8 @@ int mlrt_facing(const struct mlrt_triangle *triangle, const float direction[3])
 {
     int sign = certain_side(triangle, vector_of(direction), size_of(vector_of(direction)));
     if (sign != 0) return sign;
-    for (int axis = 0; axis < 3; ++axis) {
-        if (direction[axis] == 0 && is_across(triangle, axis)) return 0; /* such as a wall under vertical light */
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        if (direction[axis] == 0 && mlrt_is_across(triangle, axis)) return 0; /* such as a wall under vertical light */
     }
     return facing_of_normal_exactly(triangle, direction);
 }
@@ -442,8 +436,8 @@ static int flat_sign(float a, float o, float t, float d)
 
 int mlrt_reaches_flat(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float t, int *sign)
 {
-    for (int axis = 0; axis < 3; ++axis) {
-        if (!is_across(triangle, axis)) continue;
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        if (!mlrt_is_across(triangle, axis)) continue;
         const float d = ray->direction[axis];
         *sign = flat_sign(triangle->v[0][axis], ray->origin[axis], t, d);
         if (d < 0) *sign = -*sign;
@@ -545,8 +539,8 @@ static MLRT_NOINLINE int compare_distance_exactly(const struct mlrt_ray_segment 
 static MLRT_NOINLINE int compare_close_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
                                                 const struct mlrt_triangle *second, mlrt_counters *counters)
 {
-    for (int axis = 0; axis < 3; ++axis) {
-        if (!is_across(first, axis) || !is_across(second, axis)) continue;
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        if (!mlrt_is_across(first, axis) || !mlrt_is_across(second, axis)) continue;
         float plane_1 = first->v[0][axis], plane_2 = second->v[0][axis];
         int sign = (plane_1 > plane_2) - (plane_1 < plane_2);
         return ray->direction[axis] < 0 ? -sign : sign;
@@ -583,8 +577,8 @@ int mlrt_order_of_triangles(const float from[3], const struct mlrt_triangle *fir
 
 int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second)
 {
-    for (int axis = 0; axis < 3; ++axis)
-        if (is_across(first, axis) && is_across(second, axis)) return first->v[0][axis] == second->v[0][axis];
+    for (uint32_t axis = 0; axis < 3; ++axis)
+        if (mlrt_is_across(first, axis) && mlrt_is_across(second, axis)) return first->v[0][axis] == second->v[0][axis];
     for (int i = 0; i < 3; ++i)
         if (mlrt_side_of_plane(first, second->v[i]) != 0) return 0;
     return 1;
@@ -756,8 +750,8 @@ MLRT_INLINE int round_enclosure(struct enclosure enclosure, float *result)
  */
 static int round_flat_quotient(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float *t)
 {
-    for (int axis = 0; axis < 3; ++axis) {
-        if (!is_across(triangle, axis)) continue;
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        if (!mlrt_is_across(triangle, axis)) continue;
         const double to = triangle->v[0][axis], from = ray->origin[axis], d = ray->direction[axis];
         const double difference = to - from, back = to - difference;
         if (d == 0 || (to - (difference + back)) - (from - back) != 0) return 0;

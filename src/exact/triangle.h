@@ -12,6 +12,12 @@ struct mlrt_triangle {
     float v[3][3];
 };
 
+/* 1 if the triangle lies in a plane across the axis. */
+static inline int mlrt_is_across(const struct mlrt_triangle *triangle, uint32_t axis)
+{
+    return triangle->v[0][axis] == triangle->v[1][axis] && triangle->v[0][axis] == triangle->v[2][axis];
+}
+
 /*
  * The triangles of a tree by their numbers. They lie in order, or in the leaves of a hierarchy of boxes (bvh/node.h),
  * where `places` tells the place of each. Behind the leaves are quads of triangles that no leaf has as they were given.

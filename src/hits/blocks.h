@@ -38,7 +38,6 @@ struct entry_list;
 typedef void block_function(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *block,
                             const struct entry_list *list);
 
-/* Traces the blocks of a tile. */
 MLRT_INLINE void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
                               const struct entry_list *list, block_function *trace_each)
 {

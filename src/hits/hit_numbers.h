@@ -344,7 +344,6 @@ static void copy_lanes(uint32_t lanes, const struct mlrt_packet_values *from, st
     }
 }
 
-/* Do the lanes `hit` hit at most FEW_TRIANGLES triangles? */
 MLRT_INLINE int hits_few_triangles(const struct mlrt_packet *packet, uint32_t hit)
 {
     for (int i = 0; i < FEW_TRIANGLES && hit; ++i) {

@@ -46,7 +46,6 @@ MLRT_INLINE void find_packet_ids(const struct mlrt_tree *tree, const struct mlrt
     }
 }
 
-/* Writes the results of a packet's lanes to a sink. */
 static MLRT_NOINLINE void write_to_sink(const struct mlrt_job *job, struct mlrt_worker *worker,
                                         const struct mlrt_packet *packet, uint32_t lanes,
                                         const struct mlrt_rectangle *block, const struct mlrt_sink *sink)

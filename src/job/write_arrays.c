@@ -271,7 +271,6 @@ MLRT_INLINE void write_fours(const unsigned char *const *values, size_t offset, 
     f4_store_any(to->at[3], f4_odds(odds, more_odds));
 }
 
-/* Writes a whole packet to structs. */
 static MLRT_NOINLINE void write_structs(const struct mlrt_packet_values *values, const struct mlrt_sink_group *group,
                                         unsigned char *corner)
 {

@@ -13,7 +13,6 @@
 #include "mlrta/masked_traversal.h"
 #include "mlrta/triangle_setup.h"
 
-/* Traces the active rays of a packet. */
 MLRT_INLINE void trace_active(const struct mlrt_job *job, const struct entry_list *list, struct mlrt_packet *packet,
                               struct mlrt_worker *worker)
 {

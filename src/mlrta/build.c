@@ -760,7 +760,6 @@ static void release_all(struct build *build)
     release(build, &build->scratch, sizeof(struct array));
 }
 
-/* Hands the arrays of the whole tree over to `tree`. */
 static void take_result(struct part *whole, struct mlrt_tree *tree)
 {
     tree->kdtree.nodes = whole->built.nodes.elements;

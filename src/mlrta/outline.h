@@ -37,7 +37,6 @@ struct ray_slopes {
     MLRT_ALIGNED(64) float hi[2][MLRT_PACKET_RAYS];
 };
 
-/* The lanes whose slopes overlap an outline. */
 MLRT_INLINE uint32_t overlapping_lanes(const struct ray_slopes *slopes, const struct mlrt_outline *outline)
 {
     uint32_t lanes = 0;

@@ -237,11 +237,6 @@ static size_t find_plane(const struct mlrt_box *box, uint32_t axis, const uint32
     return first < key_count && keys[first] == key ? first : key_count;
 }
 
-static int lies_in_plane(const struct mlrt_triangle *triangle, uint32_t axis)
-{
-    return triangle->v[0][axis] == triangle->v[1][axis] && triangle->v[0][axis] == triangle->v[2][axis];
-}
-
 /*
  * Sets the area of the triangles in each plane. First the boxes of its references are summed; only if these are
  * `enough`, its clipped triangles are. Else its area is set to -1.
@@ -260,7 +255,7 @@ static void measure_planes(const struct mlrt_triangle *triangles, const struct m
         const struct mlrt_box *box = &content->references[i].box;
         const size_t plane = find_plane(box, axis, keys, key_count);
         const struct mlrt_triangle *triangle = &triangles[content->references[i].triangle];
-        if (plane < key_count && areas[plane] >= 0 && lies_in_plane(triangle, axis))
+        if (plane < key_count && areas[plane] >= 0 && mlrt_is_across(triangle, axis))
             areas[plane] += mlrt_clipped_area(triangle, box, axis);
     }
 }

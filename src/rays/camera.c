@@ -44,7 +44,6 @@ static int32_t resolve_length(const char *axis, const char *length, uint32_t who
                      (unsigned long)count, axis, (unsigned long)first, length, (unsigned long)whole);
 }
 
-/* Checks the numbers of a camera. Returns a status. */
 static int32_t check_numbers(const mlrt_camera *camera, int is_parallel)
 {
     const int form = is_parallel ? MLRT_FORM_PARALLEL : MLRT_FORM_PINHOLE;

@@ -126,7 +126,6 @@ static void read_skips(const struct mlrt_array_layout *skip, size_t element, con
     if (MLRT_UNLIKELY(others)) mlrt_number_skips(tree, packet);
 }
 
-/* Reads the rays of a whole block. */
 static void read_whole_block(const struct mlrt_array_reader *reader, uint32_t x, uint32_t y, struct known_mesh *known,
                              struct mlrt_packet *packet)
 {

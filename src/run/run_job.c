@@ -129,7 +129,6 @@ static size_t lay_out_share(const struct mlrt_job *job, unsigned char *memory, s
     return (size + 63) / 64 * 64;
 }
 
-/* Sets a worker's state as it begins. */
 static void begin_worker(const struct mlrt_job *job, unsigned char *share, struct mlrt_worker *worker)
 {
     memset(&worker->counters, 0, sizeof worker->counters);

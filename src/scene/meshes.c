@@ -158,7 +158,6 @@ struct copying {
     struct mlrt_tree *tree;
 };
 
-/* Copies a chunk of the triangles of all meshes. */
 static int32_t copy_chunk(void *work, uint32_t item, uint32_t worker)
 {
     const struct copying *copying = work;
