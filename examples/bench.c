@@ -254,6 +254,8 @@ int main(int argc, char **argv)
         {OPTION_FLAG, "--alone", &settings.alone, NULL, "without Embree", 0, 0},
         {OPTION_TEXT, "--against", &settings.against, "FILE.so",
          "another build of the library, older, say: it takes part as well", 0, 0},
+        {OPTION_LIST, "--trees", &settings.trees, "FILE.so,...",
+         "for --study costs: builds of the library whose trees this one\ntraces as well, named by their folders", 0, 0},
         {OPTION_FLAG, "--paced", &settings.paced, NULL,
          "for programs: each run says \"turn KIND\", waits for a line on\nstandard input, and says how many seconds it "
          "took",
