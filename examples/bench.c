@@ -8,7 +8,7 @@
  *     bench --against OLD.so --alone                 beside another build of the library
  *     bench --study build                            seconds and bytes per triangle
  *     bench --study calls --alone                    nanoseconds and instructions of calls of 1 to 16 rays
- *     bench --study costs                            the speed of trees by other costs of nodes and triangles
+ *     bench --study costs                            the speed of trees by other costs, and of other builds
  *
  * The kinds of rays are those of bench/task.h, the rules those of bench/contest.h and bench/peer.h. The table has
  * millions of rays per second (medians; of pictures, lit ones too, millions of pixels), the fastest way to call Embree,
