@@ -30,6 +30,7 @@
 #   make data            and those of tables: data-reproduction (the paper), data-price (exactness), data-depth
 #                        (kd-trees), data-python (the Python package: needs deps-python)
 #   make sweep           compares the choices that tiles make with fixed ones, on the same scenes: docs/data/sweep.csv
+#   make measure-costs   compares trees by other settings of the builder, and says which is the fastest: docs/data/costs.csv
 #   make tables          writes the tables of README.md, docs/ and bindings/ from docs/data
 #   make deps-study      installs what these need besides: Embree 3 to compare with, matplotlib to draw
 #   make docs            a page for each function, and the rest of docs/, in build/docs/html; make deps-docs installs
@@ -358,7 +359,7 @@ DATA_bench-build-1 = $(BUILD)/bin/bench --study build --threads 1 --runs $(RUNS)
 DATA_bench-build-2 = $(BUILD)/bin/bench --study build --threads 2 --runs $(RUNS) $(BENCH_ALL) $(BENCH)
 DATA_bench-triangles = $(BUILD)/bin/bench --study triangles --isa avx512 --runs $(RUNS) $(BENCH)
 DATA_bench-resolution = $(BUILD)/bin/bench --study resolution --isa avx512 --runs $(RUNS) --scene room,office,building,scan $(BENCH)
-DATA_costs = $(BUILD)/bin/bench --study costs --isa avx512 --size 512 --runs $(RUNS) $(call OF_SCENES,$(if $(SCENES),,room office),erw6 conference_mgf sponza_dabrovic clinic_bim cruiser_mgf dragon office_mgf) $(BENCH)
+DATA_costs = $(PYTHON) examples/bench/sweep.py --trees --rounds $(RUNS) $(call OF_SCENES,$(if $(SCENES),,room office),erw6 conference_mgf sponza_dabrovic clinic_bim cruiser_mgf dragon office_mgf)
 DATA_methods = $(ACCURACY) $(STUDY_ALL) --generator camera,edge --rays $(STUDY_RAYS) --runs $(RUNS)
 DATA_stability = $(ACCURACY) --study stability --rays $(SWEEP_RAYS)
 DATA_stages = $(ACCURACY) --study stages $(STUDY_ALL) --generator camera,random,edge --rays $(STUDY_RAYS)

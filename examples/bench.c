@@ -8,7 +8,7 @@
  *     bench --against OLD.so --alone                 beside another build of the library
  *     bench --study build                            seconds and bytes per triangle
  *     bench --study calls --alone                    nanoseconds and instructions of calls of 1 to 16 rays
- *     bench --study costs                            the speed of trees by other costs of nodes and triangles
+ *     bench --study costs                            the speed of trees by other costs, and of other builds
  *
  * The kinds of rays are those of bench/task.h, the rules those of bench/contest.h and bench/peer.h. The table has
  * millions of rays per second (medians; of pictures, lit ones too, millions of pixels), the fastest way to call Embree,
@@ -254,6 +254,8 @@ int main(int argc, char **argv)
         {OPTION_FLAG, "--alone", &settings.alone, NULL, "without Embree", 0, 0},
         {OPTION_TEXT, "--against", &settings.against, "FILE.so",
          "another build of the library, older, say: it takes part as well", 0, 0},
+        {OPTION_LIST, "--trees", &settings.trees, "FILE.so,...",
+         "for --study costs: builds of the library whose trees this one\ntraces as well, named by their folders", 0, 0},
         {OPTION_FLAG, "--paced", &settings.paced, NULL,
          "for programs: each run says \"turn KIND\", waits for a line on\nstandard input, and says how many seconds it "
          "took",

@@ -11,6 +11,7 @@ enum { STUDY_NONE, STUDY_TRIANGLES, STUDY_RESOLUTION, STUDY_BUILD, STUDY_CALLS, 
 
 struct bench_settings {
     struct word_list scenes, default_scenes;
+    struct word_list trees; /* shared objects, builds of the library, whose trees the study of costs compares as well */
     const char *views, *view, *against;
     uint32_t size, threads, runs;
     uint32_t kinds, methods, isas; /* a bit for each */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cost_study.h - the speed of trees that are built by other costs of nodes and triangles (bvh/set.h) */
+/* cost_study.h - the speed of trees by other costs (bvh/set.h), and by other builds of the library (base/tuning.h) */
 #ifndef COST_STUDY_H
 #define COST_STUDY_H
 

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""sweep.py - what the library decides while it traces, against fixed choices
+"""sweep.py - what the library decides while it traces, and how it builds trees, against fixed choices
 
     sweep.py [--scene NAME|FILE]... [--views FILE.json] [--kinds primary,shadow] [--rounds 9] [--lives 2] [--jobs N]
+    sweep.py --trees [--scene NAME|FILE]... [--views FILE.json] [--kinds frame,bounce] [--rounds 3] [--isa avx2,avx512] [--size 512]
 
 measures the bench program of build/, the settings as they are, against one for every setting of src/base/tuning.h listed here
 (in build/sweep/: the same objects, but for those that the setting changes; the kernels of SSE2 and plain C keep theirs), and prints
@@ -11,8 +12,14 @@ take turns, run by run, the settings as they are first. What counts is the media
 than the settings as they are in the same round: so what else happens on a machine, for longer than a round, happens to all. As a
 program may be slow all its life by where its memory lies, all this is done for several lives, and the median of these counts. The
 settings as they are take part twice, which shows how far chance goes.
+
+With --trees it compares trees: it builds the library for each of TREES, and one bench program traces the trees that these build, and
+trees by other costs, all with its own kernels and run by run in turns (`bench --study costs`). It prints CSV, and on stderr, for each
+instruction set and scene, the tree that is the fastest in the geometric mean of all kinds, over the mean of the two default trees.
 """
 import argparse
+import csv
+import math
 import os
 import shutil
 import statistics
@@ -36,9 +43,27 @@ SETTINGS = {
     "leaves never asked": {"FEW_LEAF_RAYS": "0"},
     "tests without end": {"MOST_TESTS": "0xFFFFFFFFu"},
     "512 set-ups kept": {"LEAF_SETUP_BITS": "9"},
-    "small leaves": {"TRIANGLE_COST": "0.08f"},
-    "large leaves": {"TRIANGLE_COST": "0.005f"},
 }
+
+# Likewise for the builder; default trees are compared by the bench program itself.
+TREES = {
+    "leaves of 4": {"LEAF_TRIANGLES": "4"},
+    "leaves of 8": {"LEAF_TRIANGLES": "8"},
+    "leaves of 12": {"LEAF_TRIANGLES": "12"},
+    "nodes of 8": {"NODE_CHILDREN": "8"},
+    "nodes of 12": {"NODE_CHILDREN": "12"},
+    "no spare places": {"SPARE_SHARE": "0.0f"},
+    "0.08 spare places": {"SPARE_SHARE": "0.08f"},
+    "0.3 spare places": {"SPARE_SHARE": "0.3f"},
+    "overlap 0.00001": {"OVERLAP_LIMIT": "1e-5f"},
+    "overlap 0.001": {"OVERLAP_LIMIT": "1e-3f"},
+    "spatial from 16": {"SPATIAL_SIZE": "16"},
+    "plane gain 0.95": {"PLANE_GAIN": "0.95"},
+    "plane gain 1": {"PLANE_GAIN": "1.0"},
+}
+
+# Trees of more bytes per triangle are no choice for the default.
+MOST_BYTES = 60
 
 
 def changed_sources(macros):
@@ -59,21 +84,23 @@ def changed_sources(macros):
     return sorted(sources - {"src/isa/sse.c", "src/isa/scalar.c"})
 
 
-def program(name, jobs):
-    """Builds the bench program with a setting, and returns where it is."""
-    macros = SETTINGS[name]
-    make = ["make", "--no-print-directory", f"-j{jobs}"]
-    if not macros:
-        subprocess.run(make + ["build/bin/bench"], check=True, stdout=sys.stderr)
-        return os.path.join("build", "bin", "bench")
+def make_default(jobs):
+    """Builds the bench program with the settings as they are, and returns where it is."""
+    subprocess.run(["make", "--no-print-directory", f"-j{jobs}", "build/bin/bench"], check=True, stdout=sys.stderr)
+    return os.path.join("build", "bin", "bench")
+
+
+def make_with(name, macros, target, jobs):
+    """Builds a target with a setting, and returns where it is."""
     folder = os.path.join("build", "sweep", name.replace(" ", "-"))
     shutil.rmtree(folder, ignore_errors=True)
     for part in ("obj", "examples"):
         shutil.copytree(os.path.join("build", part), os.path.join(folder, part))
     flags = " ".join(f"-DMLRT_{macro}={value}" for macro, value in macros.items())
     changed = [word for source in changed_sources(macros) for word in ("-W", source)]
-    path = os.path.join(folder, "bin", "bench")
-    subprocess.run(make + changed + [f"BUILD={folder}", f"CPPFLAGS={flags}", path], check=True, stdout=sys.stderr)
+    path = os.path.join(folder, target)
+    make = ["make", "--no-print-directory", f"-j{jobs}"] + changed
+    subprocess.run(make + [f"BUILD={folder}", f"CPPFLAGS={flags}", path], check=True, stdout=sys.stderr)
     return path
 
 
@@ -132,16 +159,68 @@ def compare(paths, scene, options):
     return lives[0][0], {key: statistics.median(gains[key] for _, gains in lives) for key in lives[0][1]}
 
 
+def mean_of(values):
+    return math.exp(sum(math.log(value) for value in values) / len(values))
+
+
+def judge(rows, isa, scene):
+    """Which tree has the greatest mean rate over the two default trees', of those that are not too large"""
+    gains, sizes = {}, {}
+    for row in rows:
+        if (row["isa"], row["scene"]) == (isa, scene):
+            gains.setdefault(row["setting"], []).append(float(row["over_default"]))
+            sizes[row["setting"]] = float(row["bytes_per_triangle"])
+    means = {setting: mean_of(values) for setting, values in gains.items()}
+    default = (means.pop("default") * means["default once more"]) ** 0.5
+    chance = means.pop("default once more") / default
+    best = max((setting for setting in means if sizes[setting] <= MOST_BYTES), key=means.get)
+    print(f"{isa}, {scene}: {best} {means[best] / default:.3f}, least kind {min(gains[best]) / default:.3f}; "
+          f"default once more {chance:.3f}", file=sys.stderr)
+
+
+def compare_trees(options):
+    """Prints what `bench --study costs` says of all trees, and judges it."""
+    command = [make_default(options.jobs), "--study", "costs", "--isa", options.isa, "--size", str(options.size)]
+    libraries = [make_with(name, macros, "libmlrt.so", options.jobs) for name, macros in TREES.items()]
+    command += ["--trees", ",".join(libraries), "--runs", str(options.rounds or 3)]
+    command += ["--kind", options.kinds] if options.kinds else []
+    command += ["--views", options.views] if options.views else []
+    for scene in options.scene or ["room", "office", "building", "scan"]:
+        command += ["--scene", scene]
+    lines = []
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        for line in process.stdout:
+            print(line, end="", flush=True)
+            lines.append(line)
+    if process.returncode != 0:
+        raise SystemExit(f"bench: exit code {process.returncode}")
+    rows = list(csv.DictReader(lines))
+    for isa, scene in dict.fromkeys((row["isa"], row["scene"]) for row in rows):
+        judge(rows, isa, scene)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--scene", action="append")
     parser.add_argument("--views")
-    parser.add_argument("--kinds", default="primary,shadow")
-    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--kinds")
+    parser.add_argument("--rounds", type=int)
+    parser.add_argument("--trees", action="store_true")
+    parser.add_argument("--isa", default="avx2,avx512")
+    parser.add_argument("--size", type=int, default=512)
     parser.add_argument("--lives", type=int, default=2)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     options = parser.parse_args()
-    paths = {name: program(name, options.jobs) for name in SETTINGS}
+    if options.trees:
+        compare_trees(options)
+        return
+    options.kinds = options.kinds or "primary,shadow"
+    options.rounds = options.rounds or 9
+    as_they_are = make_default(options.jobs)
+    paths = {
+        name: make_with(name, macros, os.path.join("bin", "bench"), options.jobs) if macros else as_they_are
+        for name, macros in SETTINGS.items()
+    }
     as_it_is, *others = paths
     print("scene,kind,setting,over_as_it_is")
     for scene in options.scene or ["room", "office", "building", "scan"]:

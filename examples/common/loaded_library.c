@@ -7,8 +7,9 @@
 #include <string.h>
 
 const struct library this_library = {
-    NULL,           mlrt_create_pool,  mlrt_destroy_pool, mlrt_build_tree,     mlrt_build_kdtree, mlrt_destroy_tree,
-    mlrt_trace_ray, mlrt_trace_packet, mlrt_render_tiles, mlrt_occluded_points};
+    NULL,           mlrt_create_pool,  mlrt_destroy_pool, mlrt_build_tree,   mlrt_build_kdtree,
+    mlrt_save_tree, mlrt_destroy_tree, mlrt_trace_ray,    mlrt_trace_packet, mlrt_render_tiles,
+    mlrt_occluded_points};
 
 // A cast from void * to a function pointer is POSIX's, not C's: copying the bits says the same.
 static int find_function(void *handle, const char *name, void *function)
@@ -34,6 +35,9 @@ int load_library(const char *path, struct library *library)
     failed |= find_function(library->handle, "mlrt_build_kdtree", &library->build_kdtree);
     if (dlsym(library->handle, "mlrt_build_tree")) {
         failed |= find_function(library->handle, "mlrt_build_tree", &library->build_tree);
+    }
+    if (dlsym(library->handle, "mlrt_save_tree")) {
+        failed |= find_function(library->handle, "mlrt_save_tree", &library->save_tree);
     }
     failed |= find_function(library->handle, "mlrt_destroy_tree", &library->destroy_tree);
     failed |= find_function(library->handle, "mlrt_trace_ray", &library->trace_ray);

@@ -14,6 +14,8 @@ struct library {
         mlrt_tree **tree); /* NULL: a build from before it; build_kdtree without options builds boxes */
     int32_t (*build_kdtree)(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options,
                             mlrt_tree **tree);
+    int32_t (*save_tree)(const mlrt_tree *tree, void *buffer, size_t capacity,
+                         size_t *size); /* NULL: a build from before it */
     void (*destroy_tree)(mlrt_tree *tree);
     int32_t (*trace_ray)(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options, mlrt_hit *hit);
     int32_t (*trace_packet)(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The thresholds of the decisions that the default method takes while it traces, and one of the builder. They are
+ * The thresholds of the decisions that the default method takes while it traces, and those of the builder. They are
  * macros that the compiler's command line can set, so that a sweep (examples/bench/sweep.py) can compare other values.
  *
  * "Sweep" below stands for its table in docs/performance.md, "What tiles decide by themselves": the speed with another
@@ -124,12 +124,44 @@
 #endif
 
 /*
+ * Below are settings of the builder of boxes. `sweep.py --trees` compares trees by other values with those by these, all
+ * traced by the same kernels; docs/performance.md, "How large leaves are", has the results.
+ *
  * The builder's cost of each triangle of a leaf, where a leaf costs 1; bvh/build.c has more measurements. Lower costs
- * make larger leaves. Mean over five kinds of rays (docs/performance.md, "How large leaves are"), 0.005: dragon 1.02 to
- * 1.04, conference 0.95 to 0.97, others 0.97 to 1.01. 0.08: 0.92 to 1.02.
+ * make larger leaves.
  */
 #ifndef MLRT_TRIANGLE_COST
 #define MLRT_TRIANGLE_COST 0.02f
+#endif
+
+/* The most triangles that the builder puts into a leaf, at most MLRT_BVH_LEAF_LIMIT. */
+#ifndef MLRT_LEAF_TRIANGLES
+#define MLRT_LEAF_TRIANGLES 16
+#endif
+
+/* The most children that the builder gives a node, 2 to MLRT_BVH_WIDTH. */
+#ifndef MLRT_NODE_CHILDREN
+#define MLRT_NODE_CHILDREN 16
+#endif
+
+/*
+ * Spatial splits of the default preset: spare places per triangle for the references that they add; they are tried
+ * where sides overlap by more than OVERLAP_LIMIT of the scene's area, in sets of more than SPATIAL_SIZE references (at
+ * least MLRT_BVH_LEAF_LIMIT).
+ */
+#ifndef MLRT_SPARE_SHARE
+#define MLRT_SPARE_SHARE 0.15f
+#endif
+#ifndef MLRT_OVERLAP_LIMIT
+#define MLRT_OVERLAP_LIMIT 1e-4f
+#endif
+#ifndef MLRT_SPATIAL_SIZE
+#define MLRT_SPATIAL_SIZE 32
+#endif
+
+/* A spatial split is used if its cost is below this part of the best other split's; bvh/build.c has the reasons. */
+#ifndef MLRT_PLANE_GAIN
+#define MLRT_PLANE_GAIN 0.99
 #endif
 
 #endif

@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "base/tuning.h"
 #include "bvh/set.h"
 #include "simd/quad.h"
 
@@ -96,7 +97,7 @@ MLRT_INLINE struct mlrt_bvh_set finish_set(const struct growing_set *growing, ui
  */
 MLRT_INLINE double set_cost(const struct mlrt_bvh_costs *costs, uint32_t count)
 {
-    return costs->leaf * (float)((count + 15) / 16) + costs->triangle * (float)count;
+    return costs->leaf * (float)((count + MLRT_LEAF_TRIANGLES - 1) / MLRT_LEAF_TRIANGLES) + costs->triangle * (float)count;
 }
 
 #endif

@@ -59,9 +59,9 @@ struct preset {
  * and 1.86 s. The expected costs differ by 0.3 % (2), and by 0.7 % in sponza (1).
  */
 static const struct preset PRESETS[] = {
-    {0.15f, 1e-4f, 32, 2},         /* MLRT_TREE_DEFAULT */
-    {0.0f, 1.0f, 32, 0},           /* MLRT_TREE_FAST */
-    {0.5f, 1e-6f, 16, UINT32_MAX}, /* MLRT_TREE_BEST */
+    {MLRT_SPARE_SHARE, MLRT_OVERLAP_LIMIT, MLRT_SPATIAL_SIZE, 2}, /* MLRT_TREE_DEFAULT */
+    {0.0f, 1.0f, 32, 0},                                          /* MLRT_TREE_FAST */
+    {0.5f, 1e-6f, 16, UINT32_MAX},                                /* MLRT_TREE_BEST */
 };
 
 /*
@@ -89,10 +89,10 @@ static const struct mlrt_bvh_costs COSTS = {1.0f, 1.0f, MLRT_TRIANGLE_COST};
  * nodes and 2.85 leaves per packet, with 0.99 and 0.97 it takes 3.53 and 2.94. 0.9 is too low: a building (clinic) then
  * takes 8.3 nodes instead of 6.1.
  */
-#define PLANE_GAIN 0.99
+#define PLANE_GAIN MLRT_PLANE_GAIN
 
 /* References per leaf, on average, that the budget allows for: so building takes 104 / 4 bytes of nodes for each. */
-#define LEAF_SHARE 4
+#define LEAF_SHARE (MLRT_LEAF_TRIANGLES / 4)
 
 /* Binary levels in the first attempt. Bounds the stack. */
 #define BINARY_DEPTH 64
@@ -143,6 +143,7 @@ union filling {
 
 /* The references of a chunk of triangles, and how many triangles are left out. */
 struct chunk {
+    struct mlrt_bvh_set set;
     struct mlrt_box bounds; /* of the references, not in units */
     uint32_t count;
     uint32_t non_finite_count;
@@ -171,6 +172,7 @@ struct work {
     uint32_t task_count;
     union filling *shares; /* of each worker; NULL = there is only one */
     struct chunk *chunks;
+    struct mlrt_bvh_part *parts; /* of the result, measured */
 };
 
 /* The set whose bins, or slabs, all workers fill. */
@@ -184,6 +186,7 @@ struct shared {
 struct references {
     struct mlrt_quad_box *boxes;
     uint32_t count;
+    struct mlrt_bvh_set whole; /* all of them before any is cut */
 };
 
 struct build {
@@ -291,13 +294,15 @@ static double make_chunk_references(struct build *build, uint32_t number, uint32
         }
         if (build->tree->bvh.unit != 1 || is_far) scale_reference(build->tree->bvh.unit, reference);
     }
+    chunk->set = mlrt_measure_set(build->references.boxes, first, chunk->count, build->progress);
     return CHUNK_SIZE * FIRST_WORK;
 }
 
-/* Makes the references of all triangles, without gaps, and sets the bounds and the counts of triangles left out. */
+/* Makes the references of all triangles, without gaps. Sets their whole set, the bounds, and the counts of triangles left out. */
 static int32_t make_references(struct build *build)
 {
     struct mlrt_box bounds = MLRT_NO_BOX;
+    struct growing_set whole = empty_set();
     mlrt_tree_info *info = &build->tree->info;
     info->non_finite_count = info->zero_area_count = 0;
     build->references.count = 0;
@@ -309,9 +314,12 @@ static int32_t make_references(struct build *build)
                     chunk->count * sizeof *build->references.boxes);
         build->references.count += chunk->count;
         mlrt_extend_box(chunk->bounds.lo, chunk->bounds.hi, &bounds);
+        grow(&whole.box, f4_load(chunk->set.box.lo), f4_load(chunk->set.box.hi));
+        grow(&whole.centres, f4_load(chunk->set.centres.lo), f4_load(chunk->set.centres.hi));
         info->non_finite_count += chunk->non_finite_count;
         info->zero_area_count += chunk->zero_area_count;
     }
+    build->references.whole = finish_set(&whole, 0, build->references.count);
     if (build->references.count > 0) build->tree->bounds = bounds;
     mlrt_set_bvh_extent(build->tree);
     return MLRT_OK;
@@ -498,10 +506,11 @@ static void choose(struct build *build, struct portion *portion, struct choice *
 
 /* ---- cutting ------------------------------------------------------------------------------------------------- */
 
-/* 1 if the split costs less than a leaf. Another child of a node counts as a sixteenth of a node. */
+/* 1 if the split costs less than a leaf, or a leaf would have too many triangles. Another child of a node counts as a sixteenth of a node. */
 static int split_pays(const struct build *build, const struct mlrt_bvh_set *set, const struct mlrt_bvh_split *split)
 {
     const struct mlrt_bvh_costs *costs = &build->costs;
+    if (set->count > MLRT_LEAF_TRIANGLES) return 1;
     double area = area_of(&set->box);
     return split->cost + area * (costs->node / MLRT_BVH_WIDTH) < area * mlrt_bvh_leaf_cost(costs, set->count);
 }
@@ -643,6 +652,15 @@ static void add_task(struct build *build, struct portion *portion)
     build->work.tasks[i].portion = portion;
 }
 
+/* Adds a set to the first `count` of a level: the largest comes first, so that no worker begins it when others end. */
+static void add_to_level(struct build *build, struct portion *portion, uint32_t count)
+{
+    uint32_t i = count;
+    for (; i > 0 && build->work.level[i - 1]->set.count < portion->set.count; i--)
+        build->work.level[i] = build->work.level[i - 1];
+    build->work.level[i] = portion;
+}
+
 /* Cuts portions[0], level by level, until the parts are small enough for tasks. */
 static void find_tasks(struct build *build)
 {
@@ -654,7 +672,7 @@ static void find_tasks(struct build *build)
             if (portion->set.count <= build->limits.task_size)
                 add_task(build, portion);
             else
-                build->work.level[count++] = portion;
+                add_to_level(build, portion, count++);
         }
         cut_level(build, count);
     }
@@ -780,6 +798,7 @@ static uint64_t lay_out_work(struct build *build, unsigned char *memory)
     build->work.tasks = take(memory, build->limits.task_capacity, sizeof *build->work.tasks, &size);
     build->work.level = take(memory, build->limits.level_capacity, sizeof *build->work.level, &size);
     build->work.portions = take(memory, 2 * (size_t)build->limits.task_capacity, sizeof *build->work.portions, &size);
+    build->work.parts = take(memory, MLRT_BVH_PART_LIMIT, sizeof *build->work.parts, &size);
     build->work.shares = worker_count > 1 ? take(memory, worker_count, sizeof *build->work.shares, &size) : NULL;
     return size;
 }
@@ -856,7 +875,7 @@ static void measure_scene(struct build *build, const struct mlrt_quad_box *box)
 static int32_t build_binary(struct build *build, uint32_t depth_limit, struct mlrt_bvh_size *size)
 {
     struct portion *root = &build->work.portions[0];
-    root->set = mlrt_measure_set(build->references.boxes, 0, build->references.count, build->progress);
+    root->set = build->references.whole;
     root->spare = build->limits.capacity - build->references.count;
     root->node = root->depth = root->failed_count = 0;
     root->budget = build->limits.leaf_limit;
@@ -870,6 +889,20 @@ static int32_t build_binary(struct build *build, uint32_t depth_limit, struct ml
     if (mlrt_is_cancelled(build->progress)) return MLRT_ERROR_CANCELLED;
     choose_upper(build, 0, &next_task, &costs);
     *size = measure_all(build);
+    return mlrt_is_cancelled(build->progress) ? MLRT_ERROR_CANCELLED : MLRT_OK;
+}
+
+static double measure_part(struct build *build, uint32_t number, uint32_t worker)
+{
+    (void)worker;
+    mlrt_measure_part(build->tree, &build->costs, number, build->progress, &build->work.parts[number]);
+    return 0;
+}
+
+static int32_t measure(struct build *build)
+{
+    run_step(build, mlrt_count_parts(&build->tree->bvh), measure_part);
+    mlrt_join_parts(build->work.parts, &build->costs, build->tree);
     return mlrt_is_cancelled(build->progress) ? MLRT_ERROR_CANCELLED : MLRT_OK;
 }
 
@@ -889,8 +922,10 @@ static int32_t build_hierarchy(struct build *build)
     release_references(build);
     if (status == MLRT_OK) status = allocate_result(tree, &size);
     if (status == MLRT_OK && build->references.count > 0) status = write_all(build);
-    if (status == MLRT_OK) mlrt_write_given(tree);
-    return status;
+    if (status != MLRT_OK) return status;
+    mlrt_write_given(tree);
+    tree->info.depth = size.depth;
+    return measure(build);
 }
 
 /* Sets all settings and capacities that follow from the options and the number of triangles. */
@@ -927,10 +962,6 @@ int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options,
     int32_t status = build_hierarchy(&build);
     release_references(&build);
     mlrt_free(&tree->memory, build.work.block, (size_t)build.work.size, 1);
-    if (status == MLRT_OK) {
-        mlrt_measure_bvh(tree, &build.costs, progress);
-        if (mlrt_is_cancelled(progress)) status = MLRT_ERROR_CANCELLED;
-    }
     if (status != MLRT_OK) mlrt_free_bvh(tree);
     return status;
 }

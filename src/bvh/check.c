@@ -8,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/hash.h"
 #include "base/progress.h"
 #include "bvh/box.h"
 #include "bvh/node.h"
@@ -16,40 +17,9 @@
 
 /* ---- statistics ---------------------------------------------------------------------------------------------- */
 
-/* FNV-1a, as in mlrta/check.c, but by words instead of bytes, because there are more of them. */
-#define HASH_START  0xCBF29CE484222325u
-#define HASH_FACTOR 0x100000001B3u
-
 /* Nodes, and words of numbers, between two calls of mlrt_is_cancelled. */
 #define NODE_ROUNDS 1024
 #define WORD_ROUNDS 65536
-
-static uint64_t hash_words(uint64_t hash, const void *words, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        uint32_t word;
-        memcpy(&word, (const unsigned char *)words + 4 * i, sizeof word);
-        hash = (hash ^ word) * HASH_FACTOR;
-        hash ^= hash >> 32;
-    }
-    return hash;
-}
-
-/* Boxes, children and numbers. Corners are not hashed: they follow from the numbers. */
-static uint64_t hash_bvh(const struct mlrt_bvh *bvh, struct mlrt_progress *progress)
-{
-    const size_t word_count = 4 * (size_t)bvh->leaf_quad_count;
-    uint64_t hash = HASH_START;
-    for (uint32_t i = 0; i < bvh->node_count; i++) {
-        if (i % NODE_ROUNDS == 0 && mlrt_is_cancelled(progress)) return 0;
-        hash = hash_words(hash, bvh->nodes[i].lo, sizeof bvh->nodes[i].lo / 4);
-        hash = hash_words(hash, bvh->nodes[i].hi, sizeof bvh->nodes[i].hi / 4);
-        hash = hash_words(hash, bvh->nodes[i].child, MLRT_BVH_WIDTH);
-    }
-    for (size_t i = 0; i < word_count && !mlrt_is_cancelled(progress); i += WORD_ROUNDS)
-        hash = hash_words(hash, bvh->numbers + i, word_count - i < WORD_ROUNDS ? word_count - i : WORD_ROUNDS);
-    return hash;
-}
 
 static int is_leaf(uint32_t child)
 {
@@ -82,48 +52,78 @@ static double slot_area(const struct mlrt_bvh_node *node, int slot)
     return half_area(lo, hi);
 }
 
-struct totals {
-    double cost; /* sum of cost times area, without the root */
-    uint64_t leaf_count;
-    uint64_t reference_count;
-    uint64_t node_count;
-    uint32_t depth;
-    struct mlrt_progress *progress;
-};
+/* The fewest nodes that are worth another part. */
+#define PART_NODES 64
 
-static void add_subtree(const struct mlrt_bvh *bvh, uint32_t number, uint32_t depth, const struct mlrt_bvh_costs *costs,
-                        struct totals *totals)
+uint32_t mlrt_count_parts(const struct mlrt_bvh *bvh)
 {
-    const struct mlrt_bvh_node *node = &bvh->nodes[number];
-    if (depth > totals->depth) totals->depth = depth;
-    if (++totals->node_count % NODE_ROUNDS == 0 && mlrt_is_cancelled(totals->progress)) return;
+    const uint32_t count = bvh->node_count / PART_NODES + 1;
+    return count < MLRT_BVH_PART_LIMIT ? count : MLRT_BVH_PART_LIMIT;
+}
+
+/* Where one of `parts` begins, of a hierarchy that has `count` of something. */
+static size_t part_start(size_t count, uint32_t parts, uint32_t number)
+{
+    return count / parts * number + count % parts * number / parts;
+}
+
+static void measure_node(const struct mlrt_bvh *bvh, const struct mlrt_bvh_node *node,
+                         const struct mlrt_bvh_costs *costs, struct mlrt_bvh_part *part)
+{
     for (int i = 0; i < MLRT_BVH_WIDTH && node->child[i] != 0; i++) {
         if (is_leaf(node->child[i])) {
-            uint32_t count = leaf_count(bvh, node->child[i]);
-            totals->cost += slot_area(node, i) * mlrt_bvh_leaf_cost(costs, count);
-            totals->leaf_count++;
-            totals->reference_count += count;
+            const uint32_t count = leaf_count(bvh, node->child[i]);
+            part->cost += slot_area(node, i) * mlrt_bvh_leaf_cost(costs, count);
+            part->leaf_count++;
+            part->reference_count += count;
         } else {
-            totals->cost += slot_area(node, i) * costs->node;
-            add_subtree(bvh, mlrt_bvh_offset(node->child[i]), depth + 1, costs, totals);
+            part->cost += slot_area(node, i) * costs->node;
         }
     }
 }
 
-void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
+/* Boxes, children and numbers are hashed. Corners are not: they follow from the numbers. */
+void mlrt_measure_part(const struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, uint32_t number,
+                       struct mlrt_progress *progress, struct mlrt_bvh_part *part)
+{
+    const struct mlrt_bvh *bvh = &tree->bvh;
+    const size_t word_count = 4 * (size_t)bvh->leaf_quad_count;
+    const uint32_t parts = mlrt_count_parts(bvh);
+    const size_t last_node = part_start(bvh->node_count, parts, number + 1);
+    const size_t last_word = part_start(word_count, parts, number + 1);
+    struct mlrt_hash hash;
+    *part = (struct mlrt_bvh_part){0, 0, 0, 0};
+    mlrt_start_hash(&hash);
+    for (size_t i = part_start(bvh->node_count, parts, number); i < last_node; i++) {
+        if (i % NODE_ROUNDS == 0 && mlrt_is_cancelled(progress)) return;
+        mlrt_add_words(&hash, &bvh->nodes[i], sizeof bvh->nodes[i] / 4);
+        measure_node(bvh, &bvh->nodes[i], costs, part);
+    }
+    for (size_t i = part_start(word_count, parts, number); i < last_word && !mlrt_is_cancelled(progress);
+         i += WORD_ROUNDS)
+        mlrt_add_words(&hash, bvh->numbers + i, last_word - i < WORD_ROUNDS ? last_word - i : WORD_ROUNDS);
+    part->hash = mlrt_finish_hash(&hash);
+}
+
+void mlrt_join_parts(const struct mlrt_bvh_part *parts, const struct mlrt_bvh_costs *costs, struct mlrt_tree *tree)
 {
     mlrt_tree_info *info = &tree->info;
-    struct totals totals = {0, 0, 0, 0, 0, progress};
-    double area = half_area(tree->bvh.whole.lo, tree->bvh.whole.hi);
-    if (tree->bvh.node_count > 0) add_subtree(&tree->bvh, 0, 1, costs, &totals);
-    info->depth = totals.depth;
+    struct mlrt_hash hash;
+    double cost = 0, area = half_area(tree->bvh.whole.lo, tree->bvh.whole.hi);
+    info->leaf_count = info->reference_count = 0;
+    mlrt_start_hash(&hash);
+    for (uint32_t i = 0; i < mlrt_count_parts(&tree->bvh); i++) {
+        const uint32_t words[2] = {(uint32_t)parts[i].hash, (uint32_t)(parts[i].hash >> 32)};
+        mlrt_add_words(&hash, words, 2);
+        cost += parts[i].cost;
+        info->leaf_count += parts[i].leaf_count;
+        info->reference_count += parts[i].reference_count;
+    }
     info->node_count = tree->bvh.node_count;
-    info->leaf_count = totals.leaf_count;
     info->empty_leaf_count = 0;
-    info->reference_count = totals.reference_count;
     info->retracted_count = 0;
-    info->sah_cost = (area > 0 ? totals.cost / area : 0) / costs->node + 1;
-    info->tree_hash = hash_bvh(&tree->bvh, progress);
+    info->sah_cost = (area > 0 ? cost / area : 0) / costs->node + 1;
+    info->tree_hash = mlrt_finish_hash(&hash);
     info->peak_memory_size = tree->memory.peak_size;
     memcpy(info->bounds_min, tree->bounds.lo, sizeof info->bounds_min);
     memcpy(info->bounds_max, tree->bounds.hi, sizeof info->bounds_max);

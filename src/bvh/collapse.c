@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/progress.h"
+#include "base/tuning.h"
 #include "bvh/split.h"
 #include "bvh/unit.h"
 
@@ -40,11 +41,11 @@ void mlrt_choose_cut(const struct mlrt_bvh_costs *costs, float area, const struc
                      struct mlrt_binary_node *node, struct mlrt_forest_costs *result)
 {
     const int usable = children[0].slot_count + children[1].slot_count;
-    const int most = usable < MLRT_BVH_WIDTH ? usable : MLRT_BVH_WIDTH;
+    const int most = usable < MLRT_NODE_CHILDREN ? usable : MLRT_NODE_CHILDREN;
     float best = area * costs->node + distribute(children, most, &node->choice[0]);
     memset(node->choice + 1, 0, sizeof node->choice - 1);
     node->choice[1] = 1;
-    if (node->count <= MLRT_BVH_LEAF_LIMIT) {
+    if (node->count <= MLRT_LEAF_TRIANGLES) {
         float leaf = area * mlrt_bvh_leaf_cost(costs, node->count);
         if (leaf <= best) {
             best = leaf;
@@ -52,7 +53,7 @@ void mlrt_choose_cut(const struct mlrt_bvh_costs *costs, float area, const struc
         }
     }
     result->cost[1] = best;
-    result->slot_count = most < MLRT_BVH_WIDTH ? most : MLRT_BVH_WIDTH - 1;
+    result->slot_count = most < MLRT_NODE_CHILDREN ? most : MLRT_NODE_CHILDREN - 1;
     for (int i = 2; i <= result->slot_count; i++) {
         float cost = distribute(children, i, &node->choice[i]);
         if (cost < best)
@@ -73,7 +74,7 @@ struct mlrt_cut mlrt_cut_of(const struct mlrt_binary_node *node, uint32_t slots)
     if (slots == 1) {
         cut.kind = node->choice[1] == 0 ? MLRT_CUT_LEAF : MLRT_CUT_NODE;
         cut.slots[0] = node->choice[0];
-        slots = MLRT_BVH_WIDTH;
+        slots = MLRT_NODE_CHILDREN;
     }
     cut.slots[1] = slots - cut.slots[0];
     return cut;

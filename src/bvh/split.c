@@ -65,7 +65,8 @@ MLRT_INLINE f4 add_row(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
     }
     for (int axis = 0; axis < 4; axis++) {
         const int32_t count = side->count[axis] += bins->count[row][axis];
-        per_area[axis] = costs->leaf * (float)((count + 15) >> 4) + costs->triangle * (float)count;
+        const uint32_t leaf_count = ((uint32_t)count + MLRT_LEAF_TRIANGLES - 1) / MLRT_LEAF_TRIANGLES;
+        per_area[axis] = costs->leaf * (float)(int32_t)leaf_count + costs->triangle * (float)count;
     }
     return f4_mul(f4_sums(products[0], products[1], products[2]), f4_load(per_area));
 }

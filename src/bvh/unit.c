@@ -20,19 +20,24 @@
 /* The greatest magnitude of a coordinate; 0 if a coordinate is not finite. */
 static float size_of_triangle(const struct mlrt_triangle *triangle)
 {
-    const float *coordinate = triangle->v[0];
-    float size = 0;
+    uint32_t bits[9], greatest = 0;
+    float size;
+    memcpy(bits, triangle, sizeof bits);
     for (int i = 0; i < 9; ++i) {
-        const float magnitude = fabsf(coordinate[i]);
-        if (!(magnitude <= FLT_MAX)) return 0;
-        if (magnitude > size) size = magnitude;
+        const uint32_t magnitude = bits[i] & 0x7FFFFFFF; /* in the order of floats, with NaNs last */
+        greatest = magnitude > greatest ? magnitude : greatest;
     }
-    return size;
+    memcpy(&size, &greatest, sizeof size);
+    return size <= FLT_MAX ? size : 0;
 }
 
+/* frexp's exponent of a float that is not denormal is in its bits. */
 static int exponent_of(float size)
 {
+    uint32_t bits;
     int exponent;
+    memcpy(&bits, &size, sizeof bits);
+    if (bits >> 23 != 0) return (int)(bits >> 23) - 126;
     (void)frexp((double)size, &exponent);
     return exponent;
 }
