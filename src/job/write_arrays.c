@@ -172,11 +172,15 @@ void mlrt_gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet 
                          float corners[9][MLRT_PACKET_RAYS])
 {
     const uint32_t standard = packet->nearest.triangle[mlrt_lowest_bit(hit)];
+    const float inverse_unit = tree->by_number.inverse_unit;
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const uint32_t number = hit >> lane & 1 ? packet->nearest.triangle[lane] : standard;
         const struct mlrt_corners from = mlrt_corners_of(&tree->by_number, number);
-        const float scale = from.in_units ? tree->by_number.inverse_unit : 1;
-        for (uint32_t i = 0; i < 9; ++i) corners[i][lane] = from.corner[i * from.row] * scale;
+        const size_t row = from.row;
+        MLRT_UNROLL
+        for (size_t i = 0; i < 9; ++i) corners[i][lane] = from.corner[i * row];
+        if (MLRT_LIKELY(inverse_unit == 1) || !from.in_units) continue;
+        for (size_t i = 0; i < 9; ++i) corners[i][lane] *= inverse_unit;
     }
 }
 
