@@ -240,51 +240,92 @@ MLRT_INLINE void push_by_boxes(const struct mlrt_packet *packet, const struct ml
     }
 }
 
+/*
+ * Of the boxes of a node, two vectors are tested together, since they share what is loaded of a lane. Sixteen lanes
+ * need one vector.
+ */
+#define VECTORS_TOGETHER (VW < MLRT_BVH_WIDTH ? 2 : 1)
+#define BOXES_TOGETHER   (VECTORS_TOGETHER * VW)
+
+/*
+ * Tests each lane against the BOXES_TOGETHER boxes from `begin` on. near[i] receives the least t where a lane enters
+ * box i (with `any`, minus the longest distance in it), and lanes_of[i] the lanes that may meet it. Returns the boxes
+ * that a lane may meet.
+ */
+MLRT_INLINE uint32_t test_boxes_by_lanes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, int begin,
+                                         uint32_t lanes, int any, const struct lanes_search *search,
+                                         float near[MLRT_BVH_WIDTH], uint32_t lanes_of[MLRT_BVH_WIDTH])
+{
+    MLRT_ALIGNED(64) float ways[6][BOXES_TOGETHER];
+    vf nearest[VECTORS_TOGETHER];
+    vi of[VECTORS_TOGETHER];
+    const float *planes = &node->lo[0][begin];
+    uint32_t stride = MLRT_BVH_WIDTH, met = 0;
+    MLRT_UNROLL
+    for (int i = 0; i < VECTORS_TOGETHER; ++i) {
+        nearest[i] = v_set1(INFINITY);
+        of[i] = i_set1(0);
+    }
+    if (search->one_origin) {
+        for (int k = 0; k < 3; ++k) {
+            for (int v = 0; v < BOXES_TOGETHER; v += VW) {
+                v_store(ways[k] + v, v_sub(v_load(node->lo[k] + begin + v), v_set1(search->origin[k])));
+                v_store(ways[3 + k] + v, v_sub(v_load(node->hi[k] + begin + v), v_set1(search->origin[k])));
+            }
+        }
+        planes = ways[0];
+        stride = BOXES_TOGETHER;
+    }
+    for (uint32_t left = lanes; left; left &= left - 1) {
+        const uint32_t lane = mlrt_lowest_bit(left);
+        vf first[VECTORS_TOGETHER], last[VECTORS_TOGETHER];
+        MLRT_UNROLL
+        for (int i = 0; i < VECTORS_TOGETHER; ++i) {
+            first[i] = v_set1(packet->t_min[lane]);
+            last[i] = v_set1(finite_limit(packet->nearest.hi[lane]));
+        }
+        MLRT_UNROLL
+        for (uint32_t k = 0; k < 3; ++k) {
+            const uint32_t down = (search->negative[k] >> lane & 1) * 3;
+            const float *near_planes = planes + (down + k) * stride, *far_planes = planes + (3 - down + k) * stride;
+            const vf origin = v_set1(packet->origin[k][lane]);
+            MLRT_UNROLL
+            for (int i = 0; i < VECTORS_TOGETHER; ++i) {
+                vf to_near = v_load(near_planes + i * VW), to_far = v_load(far_planes + i * VW);
+                if (!search->one_origin) {
+                    to_near = v_sub(to_near, origin);
+                    to_far = v_sub(to_far, origin);
+                }
+                first[i] = v_max(v_mul(to_near, v_set1(search->reciprocals.near[k][lane])), first[i]);
+                last[i] = v_min(v_mul(to_far, v_set1(search->reciprocals.far[k][lane])), last[i]);
+            }
+        }
+        MLRT_UNROLL
+        for (int i = 0; i < VECTORS_TOGETHER; ++i) {
+            const vm hit = v_le(first[i], last[i]);
+            nearest[i] = v_min(v_select(hit, any ? v_sub(first[i], last[i]) : first[i], nearest[i]), nearest[i]);
+            of[i] = i_select(hit, i_sub(of[i], i_set1(0u - (1u << lane))), of[i]);
+        }
+    }
+    MLRT_UNROLL
+    for (int i = 0; i < VECTORS_TOGETHER; ++i) {
+        const int v = begin + i * VW;
+        v_store(near + v, nearest[i]);
+        i_store(lanes_of + v, of[i]);
+        met |= (~m_bits(i_eq(of[i], i_set1(0))) & ALL_LANES) << v;
+    }
+    return met;
+}
+
 /* Puts the boxes that lanes may meet on the stack: tests each lane against all boxes at once. */
 MLRT_INLINE void push_by_lanes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t lanes,
                                int any, struct lanes_search *search)
 {
     MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
     MLRT_ALIGNED(64) uint32_t lanes_of[MLRT_BVH_WIDTH];
-    MLRT_ALIGNED(64) float ways[6][VW];
     uint32_t met = 0;
-    for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
-        vf nearest = v_set1(INFINITY);
-        vi of = i_set1(0);
-        vm any_hit = m_from_bits(0);
-        const float *planes = &node->lo[0][v];
-        uint32_t stride = MLRT_BVH_WIDTH;
-        if (search->one_origin) {
-            for (int k = 0; k < 3; ++k) {
-                v_store(ways[k], v_sub(v_load(node->lo[k] + v), v_set1(search->origin[k])));
-                v_store(ways[3 + k], v_sub(v_load(node->hi[k] + v), v_set1(search->origin[k])));
-            }
-            planes = ways[0];
-            stride = VW;
-        }
-        for (uint32_t left = lanes; left; left &= left - 1) {
-            const uint32_t lane = mlrt_lowest_bit(left);
-            vf first = v_set1(packet->t_min[lane]), last = v_set1(finite_limit(packet->nearest.hi[lane]));
-            MLRT_UNROLL
-            for (uint32_t k = 0; k < 3; ++k) {
-                const uint32_t down = (search->negative[k] >> lane & 1) * 3;
-                vf to_near = v_load(planes + (down + k) * stride), to_far = v_load(planes + (3 - down + k) * stride);
-                if (!search->one_origin) {
-                    const vf origin = v_set1(packet->origin[k][lane]);
-                    to_near = v_sub(to_near, origin);
-                    to_far = v_sub(to_far, origin);
-                }
-                first = v_max(v_mul(to_near, v_set1(search->reciprocals.near[k][lane])), first);
-                last = v_min(v_mul(to_far, v_set1(search->reciprocals.far[k][lane])), last);
-            }
-            const vm hit = v_le(first, last);
-            nearest = v_min(v_select(hit, any ? v_sub(first, last) : first, nearest), nearest);
-            of = i_select(hit, i_sub(of, i_set1(0u - (1u << lane))), of);
-            any_hit = m_or(any_hit, hit);
-        }
-        v_store(near + v, nearest);
-        i_store(lanes_of + v, of);
-        met |= (m_bits(any_hit) & ALL_LANES) << v;
+    for (int begin = 0; begin < MLRT_BVH_WIDTH; begin += BOXES_TOGETHER) {
+        met |= test_boxes_by_lanes(packet, node, begin, lanes, any, search, near, lanes_of);
     }
     for (; met; met &= met - 1) {
         const uint32_t place = mlrt_lowest_bit(met);
