@@ -58,24 +58,30 @@
 #define MLRT_UNROLL
 #endif
 
+/*
+ * To gcc a prefetch has no effect: a function that does nothing else is pure, and calls of it are dropped. An empty
+ * statement in assembler, which counts as one, keeps them.
+ */
+#if defined(__GNUC__)
+#define MLRT_PREFETCH(address, for_writing)       \
+    do {                                          \
+        __asm__ __volatile__("");                 \
+        __builtin_prefetch(address, for_writing); \
+    } while (0)
+#else
+#define MLRT_PREFETCH(address, for_writing) ((void)(address))
+#endif
+
 /* Prefetches the cache line at `address`, to be read soon. */
 MLRT_INLINE void mlrt_prefetch(const void *address)
 {
-#if defined(__GNUC__)
-    __builtin_prefetch(address);
-#else
-    (void)address;
-#endif
+    MLRT_PREFETCH(address, 0);
 }
 
 /* Prefetches the cache line at `address`, to be written soon. */
 MLRT_INLINE void mlrt_prefetch_for_writing(const void *address)
 {
-#if defined(__GNUC__)
-    __builtin_prefetch(address, 1);
-#else
-    (void)address;
-#endif
+    MLRT_PREFETCH(address, 1);
 }
 
 /* How many bits are set. */

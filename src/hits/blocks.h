@@ -68,15 +68,23 @@ static MLRT_NOINLINE void trace_by_rays(const struct mlrt_job *job, struct mlrt_
     trace_blocks(job, worker, tile, NULL, trace_block_by_rays);
 }
 
-/* Writes the hits of one triangle in a block if t, u, v or facing are wanted: these need rays. */
+/*
+ * Writes the hits of one triangle in four rows of at most 16 columns, if t, u, v or facing are wanted: these need rays.
+ */
 static void write_cover_numbers(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
-                                const struct mlrt_rectangle *block)
+                                const struct mlrt_rectangle *rows)
 {
-    struct mlrt_packet packet;
-    const uint32_t lanes = mlrt_block_lanes(block->width, block->height);
-    fetch_block(&job->source, block, lanes, &packet);
-    mlrt_fill_words(packet.nearest.triangle, number);
-    write_packet(job, worker, &packet, lanes, block);
+    struct mlrt_packet packets[PACKETS_OF_ROW];
+    struct row_of_packets row = {.count = 0};
+    for (uint32_t i = 0; i < rows->width; i += 4) {
+        const struct mlrt_rectangle block = mlrt_cut_piece(rows, i, 0, 4);
+        const uint32_t lanes = mlrt_block_lanes(block.width, block.height);
+        struct mlrt_packet *packet = &packets[row.count];
+        fetch_block(&job->source, &block, lanes, packet);
+        mlrt_fill_words(packet->nearest.triangle, number);
+        add_to_row(packet, lanes, &block, &row);
+    }
+    write_row(job, worker, &row);
 }
 
 /*
@@ -99,9 +107,10 @@ static MLRT_NOINLINE void write_closed(const struct mlrt_job *job, struct mlrt_w
         return;
     }
     for (uint32_t j = 0; j < tile->height; j += 4) {
-        for (uint32_t i = 0; i < tile->width; i += 4) {
-            const struct mlrt_rectangle block = mlrt_cut_piece(tile, i, j, 4);
-            write_cover_numbers(job, worker, cover, &block);
+        for (uint32_t i = 0; i < tile->width; i += 4 * PACKETS_OF_ROW) {
+            const struct mlrt_rectangle piece = mlrt_cut_piece(tile, i, j, 4 * PACKETS_OF_ROW);
+            const struct mlrt_rectangle rows = {piece.x, piece.y, piece.width, piece.height < 4 ? piece.height : 4};
+            write_cover_numbers(job, worker, cover, &rows);
         }
     }
 }

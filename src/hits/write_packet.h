@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Writes the results of a packet: the triangles that it hits become ids and numbers, a vector at a time, and
- * write_arrays.h stores them.
+ * Writes the results of packets: the triangles that they hit become ids and numbers, a vector at a time, which are
+ * stored here, if the caller's arrays are packed, or by write_arrays.h.
  */
 #ifndef MLRT_HITS_WRITE_PACKET_H
 #define MLRT_HITS_WRITE_PACKET_H
@@ -46,30 +46,85 @@ MLRT_INLINE void find_packet_ids(const struct mlrt_tree *tree, const struct mlrt
     }
 }
 
-static MLRT_NOINLINE void write_to_sink(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                        const struct mlrt_packet *packet, uint32_t lanes,
-                                        const struct mlrt_rectangle *block, const struct mlrt_sink *sink)
+#define PACKETS_OF_ROW 4
+
+/*
+ * Packets whose blocks lie side by side. Their results are written together: a row of a tile is then a line of the
+ * cache, which is written at once and not in four parts with many other lines in between.
+ */
+struct row_of_packets {
+    const struct mlrt_packet *packet[PACKETS_OF_ROW];
+    uint32_t lanes[PACKETS_OF_ROW]; /* that exist */
+    uint32_t count;
+    struct mlrt_rectangle first; /* block */
+};
+
+/* Adds the packet of a block to a row: the block lies beside the last one. */
+MLRT_INLINE void add_to_row(const struct mlrt_packet *packet, uint32_t lanes, const struct mlrt_rectangle *block,
+                            struct row_of_packets *row)
 {
-    const uint32_t hit = lanes & ~lanes_of_triangle(packet, MLRT_NONE);
-    if (job->any) {
-        mlrt_write_occluded(hit, lanes, block, sink);
-        return;
-    }
-    struct mlrt_packet_values values;
-    if (sink->channel[MLRT_CHANNEL_MESH].data || sink->channel[MLRT_CHANNEL_TRIANGLE].data) {
-        find_packet_ids(job->tree, packet, hit, &worker->mesh, &values);
-    }
-    if (sink->numbers) report_packet(job->tree, packet, hit, sink->numbers, &worker->hit_terms, &values);
-    mlrt_write_values(&values, lanes, block, sink);
+    if (!row->count) row->first = *block;
+    row->packet[row->count] = packet;
+    row->lanes[row->count++] = lanes;
 }
 
-/* Writes the results of a packet's lanes to the frame and to the callback's tile. */
+/* Writes the values of a row of packets to the channels of a group. */
+MLRT_INLINE void write_group_of_row(const struct row_of_packets *row, const struct mlrt_packet_values *values,
+                                    const struct mlrt_sink *sink, const struct mlrt_sink_group *group)
+{
+    struct mlrt_rectangle block = row->first;
+    const int is_whole = row->count == PACKETS_OF_ROW &&
+                         (row->lanes[0] & row->lanes[1] & row->lanes[2] & row->lanes[3]) == 0xFFFF;
+    if (is_whole && group->image.stride == 4) {
+        const unsigned char *first = (const unsigned char *)values + sizeof values->t * group->channel[0];
+        v_store_rows((const float *)(const void *)first, sizeof *values / sizeof *values->t,
+                     mlrt_find_corner(sink, &group->image, &block), group->image.row_stride);
+        return;
+    }
+    for (uint32_t i = 0; i < row->count; ++i, block.x += 4) {
+        mlrt_write_group(&values[i], row->lanes[i], &block, sink, group);
+    }
+}
+
+/* Writes the results of a row of packets to a sink. */
+static MLRT_NOINLINE void write_to_sink(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                        const struct row_of_packets *row, const struct mlrt_sink *sink)
+{
+    struct mlrt_packet_values values[PACKETS_OF_ROW];
+    struct mlrt_rectangle block = row->first;
+    for (uint32_t i = 0; i < row->count; ++i, block.x += 4) {
+        const struct mlrt_packet *packet = row->packet[i];
+        const uint32_t lanes = row->lanes[i], hit = lanes & ~lanes_of_triangle(packet, MLRT_NONE);
+        if (job->any) {
+            mlrt_write_occluded(hit, lanes, &block, sink);
+            continue;
+        }
+        if (sink->channel[MLRT_CHANNEL_MESH].data || sink->channel[MLRT_CHANNEL_TRIANGLE].data) {
+            find_packet_ids(job->tree, packet, hit, &worker->mesh, &values[i]);
+        }
+        if (sink->numbers) report_packet(job->tree, packet, hit, sink->numbers, &worker->hit_terms, &values[i]);
+    }
+    for (uint32_t i = 0; i < sink->group_count && !job->any; ++i) {
+        write_group_of_row(row, values, sink, &sink->groups[i]);
+    }
+}
+
+/* Writes the results of a row of packets to the frame and to the callback's tile. Empties the row. */
+static void write_row(const struct mlrt_job *job, struct mlrt_worker *worker, struct row_of_packets *row)
+{
+    for (uint32_t i = 0; i < worker->sinks.count && row->count; ++i) {
+        write_to_sink(job, worker, row, worker->sinks.each[i]);
+    }
+    row->count = 0;
+}
+
+/* Writes the results of a packet's lanes. */
 static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
                          uint32_t lanes, const struct mlrt_rectangle *block)
 {
-    for (uint32_t i = 0; i < worker->sinks.count; ++i) {
-        write_to_sink(job, worker, packet, lanes, block, worker->sinks.each[i]);
-    }
+    struct row_of_packets row = {.count = 0};
+    add_to_row(packet, lanes, block, &row);
+    write_row(job, worker, &row);
 }
 
 #endif

@@ -198,13 +198,6 @@ void mlrt_report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *pa
     values->facing[lane] = (uint32_t)report.facing;
 }
 
-/* The element of an image where a rectangle begins. */
-MLRT_INLINE unsigned char *find_corner(const struct mlrt_sink *sink, const struct mlrt_image *image,
-                                       const struct mlrt_rectangle *area)
-{
-    return image->data + (size_t)(area->y - sink->y) * image->row_stride + (size_t)(area->x - sink->x) * image->stride;
-}
-
 /* ---- packets ---- */
 
 static size_t lane_offset(uint32_t lane, const struct mlrt_image *image)
@@ -307,19 +300,16 @@ static MLRT_NOINLINE void write_lanes(const struct mlrt_packet_values *values, u
     }
 }
 
-void mlrt_write_values(const struct mlrt_packet_values *values, uint32_t lanes, const struct mlrt_rectangle *block,
-                       const struct mlrt_sink *sink)
+void mlrt_write_group(const struct mlrt_packet_values *values, uint32_t lanes, const struct mlrt_rectangle *block,
+                      const struct mlrt_sink *sink, const struct mlrt_sink_group *group)
 {
-    const struct mlrt_sink_group *const end = sink->groups + sink->group_count;
-    for (const struct mlrt_sink_group *group = sink->groups; group < end; ++group) {
-        unsigned char *corner = find_corner(sink, &group->image, block);
-        if (MLRT_UNLIKELY(lanes != 0xFFFF)) {
-            write_lanes(values, lanes, group, corner);
-        } else if (group->image.stride == 4) {
-            write_block(values_of(values, group, 0), corner, group->image.row_stride);
-        } else {
-            write_structs(values, group, corner);
-        }
+    unsigned char *corner = mlrt_find_corner(sink, &group->image, block);
+    if (MLRT_UNLIKELY(lanes != 0xFFFF)) {
+        write_lanes(values, lanes, group, corner);
+    } else if (group->image.stride == 4) {
+        write_block(values_of(values, group, 0), corner, group->image.row_stride);
+    } else {
+        write_structs(values, group, corner);
     }
 }
 
@@ -348,7 +338,7 @@ void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, const struct mlrt_re
 {
     const struct mlrt_image *image = &sink->channel[MLRT_CHANNEL_OCCLUDED];
     if (!image->data) return;
-    unsigned char *corner = find_corner(sink, image, block);
+    unsigned char *corner = mlrt_find_corner(sink, image, block);
     if (MLRT_LIKELY(lanes == 0xFFFF && image->stride == 1)) {
         uint32_t rows = (occluded & 0xC3C3) | (occluded & 0x0C0C) << 2 | (occluded & 0x3030) >> 2;
         MLRT_UNROLL
@@ -377,7 +367,7 @@ void mlrt_write_shadows(const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes,
 {
     const struct mlrt_image *image = &sink->channel[MLRT_CHANNEL_OCCLUDED];
     if (!image->data) return;
-    unsigned char *corner = find_corner(sink, image, block);
+    unsigned char *corner = mlrt_find_corner(sink, image, block);
     if (MLRT_LIKELY(lanes == 0xFFFF && image->stride == 1)) {
         for (uint32_t row = 0; row < 4; ++row, corner += image->row_stride) {
             const uint8_t *left = shadows + 2 * (row & 1) + 8 * (row >> 1);
@@ -392,22 +382,21 @@ void mlrt_write_shadows(const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes,
 /* ---- rectangles ---- */
 
 static void prefetch_image(const struct mlrt_sink *sink, const struct mlrt_image *image,
-                           const struct mlrt_rectangle *area)
+                           const struct mlrt_rectangle *row)
 {
-    const size_t size = area->width * image->stride;
+    const size_t size = row->width * image->stride;
     if (!image->data) return;
-    const unsigned char *row = find_corner(sink, image, area);
-    for (uint32_t left = area->height; left; --left, row += image->row_stride) {
-        for (size_t i = 0; i < size; i += 64) mlrt_prefetch_for_writing(row + i);
-        mlrt_prefetch_for_writing(row + size - 1);
-    }
+    const unsigned char *first = mlrt_find_corner(sink, image, row);
+    for (size_t i = 0; i < size; i += 64) mlrt_prefetch_for_writing(first + i);
+    mlrt_prefetch_for_writing(first + size - 1);
 }
 
-void mlrt_prefetch_sink(const struct mlrt_rectangle *area, const struct mlrt_sink *sink)
+void mlrt_prefetch_sink(const struct mlrt_sink *sink, uint32_t x, uint32_t y, uint32_t width)
 {
+    const struct mlrt_rectangle row = {x, y, width, 1};
     for (const struct mlrt_sink_group *group = sink->groups; group < sink->groups + sink->group_count; ++group)
-        if (!group->is_same_struct) prefetch_image(sink, &group->image, area);
-    prefetch_image(sink, &sink->channel[MLRT_CHANNEL_OCCLUDED], area);
+        if (!group->is_same_struct) prefetch_image(sink, &group->image, &row);
+    prefetch_image(sink, &sink->channel[MLRT_CHANNEL_OCCLUDED], &row);
 }
 
 /* Writes one word to rows of 4 * quads packed elements. */
@@ -446,7 +435,7 @@ static void fill_channels(const uint32_t values[MLRT_CHANNEL_OCCLUDED], const st
     const uint32_t width = area->width, height = area->height;
     for (uint32_t g = 0; g < sink->group_count; ++g) {
         const struct mlrt_sink_group *group = &sink->groups[g];
-        unsigned char *row = find_corner(sink, &group->image, area);
+        unsigned char *row = mlrt_find_corner(sink, &group->image, area);
         if (MLRT_LIKELY(group->image.stride == 4 && width == 16)) { /* tiles */
             fill_quads(values[group->channel[0]], 4, height, group->image.row_stride, row);
         } else if (MLRT_LIKELY(group->image.stride == 4 && width == 4)) { /* packets */
@@ -463,7 +452,7 @@ void mlrt_write_same_shadow(uint8_t value, const struct mlrt_rectangle *area, co
 {
     const struct mlrt_image *image = &sink->channel[MLRT_CHANNEL_OCCLUDED];
     if (!image->data) return;
-    unsigned char *row = find_corner(sink, image, area);
+    unsigned char *row = mlrt_find_corner(sink, image, area);
     for (uint32_t left = area->height; left; --left, row += image->row_stride) {
         if (image->stride != 1) {
             for (uint32_t i = 0; i < area->width; ++i) row[i * image->stride] = value;

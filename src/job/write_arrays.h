@@ -79,9 +79,16 @@ void mlrt_report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *pa
 
 /* Rectangles and blocks are parts of the picture; the sink has all of them. */
 
-/* Writes the values of lanes of a packet to all channels of 4 bytes. */
-void mlrt_write_values(const struct mlrt_packet_values *values, uint32_t lanes, const struct mlrt_rectangle *block,
-                       const struct mlrt_sink *sink);
+/* The element of an image where a rectangle begins. */
+MLRT_INLINE unsigned char *mlrt_find_corner(const struct mlrt_sink *sink, const struct mlrt_image *image,
+                                            const struct mlrt_rectangle *area)
+{
+    return image->data + (size_t)(area->y - sink->y) * image->row_stride + (size_t)(area->x - sink->x) * image->stride;
+}
+
+/* Writes the values of lanes of a packet to the channels of a group. */
+void mlrt_write_group(const struct mlrt_packet_values *values, uint32_t lanes, const struct mlrt_rectangle *block,
+                      const struct mlrt_sink *sink, const struct mlrt_sink_group *group);
 
 /* Likewise writes which of the lanes are occluded, 1 or 0, to the channel `occluded`, if the sink has it. */
 void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, const struct mlrt_rectangle *block,
@@ -94,8 +101,8 @@ void mlrt_add_shadow(uint8_t shadows[MLRT_PACKET_RAYS], uint32_t dark, uint8_t b
 void mlrt_write_shadows(const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes, const struct mlrt_rectangle *block,
                         const struct mlrt_sink *sink);
 
-/* Prefetches the elements of a rectangle of at most 16 columns for writing. */
-void mlrt_prefetch_sink(const struct mlrt_rectangle *area, const struct mlrt_sink *sink);
+/* Prefetches `width` elements of a row of the picture for writing. */
+void mlrt_prefetch_sink(const struct mlrt_sink *sink, uint32_t x, uint32_t y, uint32_t width);
 
 /* Writes misses to a rectangle. */
 void mlrt_write_misses(const struct mlrt_rectangle *area, const struct mlrt_sink *sink);

@@ -388,10 +388,7 @@ uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32
 
 /* ---- prefetching ---- */
 
-/*
- * Prefetches `width` elements from `first` on. Always inlined: to the compiler, a function that only prefetches has no
- * effect, and it drops a call.
- */
+/* Prefetches `width` elements from `first` on. */
 MLRT_INLINE void prefetch_elements(const mlrt_const_array *array, size_t first, uint32_t width)
 {
     const char *row = (const char *)array->data + first * array->stride;

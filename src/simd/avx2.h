@@ -70,7 +70,10 @@ MLRT_INLINE vm i_lt(vi a, vi b)
 MLRT_INLINE vm i_eq(vi a, vi b) { return _mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b)); }
 MLRT_INLINE vi i_select(vm m, vi a, vi b) { return _mm256_blendv_epi8(b, a, _mm256_castps_si256(m)); }
 
-/* Reorders two rows of four columns, one in each half, into two squares: columns 0 and 1 of both rows, then 2 and 3. */
+/*
+ * Reorders two rows of four columns, one in each half, into two squares: columns 0 and 1 of both rows, then 2 and 3. Or
+ * two such squares into two rows.
+ */
 MLRT_INLINE vf squares_of_rows(__m256 rows)
 {
     return _mm256_castpd_ps(_mm256_permute4x64_pd(_mm256_castps_pd(rows), _MM_SHUFFLE(3, 1, 2, 0)));
@@ -124,6 +127,22 @@ MLRT_INLINE void v_triples(const unsigned char *p, size_t row_step, vf by_axis[3
 MLRT_INLINE vf v_floats_at(const unsigned char *p, size_t step, size_t row_step)
 {
     return _mm256_setr_m128(square_at(p, step, row_step), square_at(p + 2 * step, step, row_step));
+}
+MLRT_INLINE void v_store_rows(const float *first, size_t distance, unsigned char *at, size_t row_stride)
+{
+    for (int i = 0; i < 2; ++i, first += 8, at += 2 * row_stride) {
+        __m256 rows[4]; /* of each packet, one in each half */
+        MLRT_UNROLL
+        for (int k = 0; k < 4; ++k) rows[k] = squares_of_rows(_mm256_load_ps(first + k * distance));
+        MLRT_UNROLL
+        for (int k = 0; k < 4; k += 2) {
+            _mm256_storeu_ps((void *)(at + 16 * k), _mm256_permute2f128_ps(rows[k], rows[k + 1], 0x20));
+        }
+        MLRT_UNROLL
+        for (int k = 0; k < 4; k += 2) {
+            _mm256_storeu_ps((void *)(at + row_stride + 16 * k), _mm256_permute2f128_ps(rows[k], rows[k + 1], 0x31));
+        }
+    }
 }
 MLRT_INLINE void i_pairs_at(const unsigned char *p, size_t step, size_t row_step, vi *firsts, vi *seconds)
 {

@@ -128,6 +128,20 @@ MLRT_INLINE vf v_floats_at(const unsigned char *p, size_t step, size_t row_step)
     return join_quads(square_at(p, step, row_step), square_at(p + 2 * step, step, row_step),
                       square_at(below, step, row_step), square_at(below + 2 * step, step, row_step));
 }
+MLRT_INLINE void v_store_rows(const float *first, size_t distance, unsigned char *at, size_t row_stride)
+{
+    const __m512i pairs[2] = {_mm512_setr_epi64(0, 2, 8, 10, 1, 3, 9, 11), _mm512_setr_epi64(4, 6, 12, 14, 5, 7, 13, 15)};
+    __m512d packet[4];
+    MLRT_UNROLL
+    for (int k = 0; k < 4; ++k) packet[k] = _mm512_castps_pd(_mm512_load_ps(first + k * distance));
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i, at += 2 * row_stride) { /* two rows, one in each half */
+        const __m512d left = _mm512_permutex2var_pd(packet[0], pairs[i], packet[1]);
+        const __m512d right = _mm512_permutex2var_pd(packet[2], pairs[i], packet[3]);
+        _mm512_storeu_pd(at, _mm512_shuffle_f64x2(left, right, 0x44));
+        _mm512_storeu_pd(at + row_stride, _mm512_shuffle_f64x2(left, right, 0xEE));
+    }
+}
 MLRT_INLINE void i_pairs_at(const unsigned char *p, size_t step, size_t row_step, vi *firsts, vi *seconds)
 {
     const unsigned char *below = p + 2 * row_step;

@@ -11,6 +11,8 @@
  * - v_hmin is the least lane of a vector, v_hmax the greatest; v_hmin4 has the least lanes of four vectors.
  * - vd is a vector of DW doubles, which are loaded from floats, and rounded to floats when stored. d_first is lane 0,
  *   not rounded. d_mul_add and d_mul_sub have one rounding or two, like v_mul_add.
+ * - v_store_rows stores the words of four packets side by side: four rows of sixteen, `row_stride` bytes apart. The
+ *   words of packet i are at first + i * distance; its lanes are squares of 2x2 elements (rays/packet.h).
  * - v_triples_at, v_quads_at, v_floats_at and i_pairs_at load three, four, one or two words of each lane, one vector
  *   a word. Lanes are squares of 2x2 elements (rays/packet.h), and p is the element of the first lane. Neighbours
  *   in a row are `step` bytes apart, rows `row_step` bytes. v_triples is for a step of 12. These words read no bytes
@@ -109,6 +111,13 @@ MLRT_INLINE vf v_floats_at(const unsigned char *p, size_t step, size_t row_step)
     (void)step, (void)row_step;
     memcpy(&a, p, 4);
     return a;
+}
+MLRT_INLINE void v_store_rows(const float *first, size_t distance, unsigned char *at, size_t row_stride)
+{
+    for (size_t i = 0; i < 32; ++i) { /* pairs of lanes lie side by side */
+        const size_t pair = i % 8, row = (pair & 1) + 2 * (pair >> 2), column = 4 * (i / 8) + (pair & 2);
+        memcpy(at + row * row_stride + 4 * column, first + i / 8 * distance + 2 * pair, 8);
+    }
 }
 MLRT_INLINE void i_pairs_at(const unsigned char *p, size_t step, size_t row_step, vi *firsts, vi *seconds)
 {

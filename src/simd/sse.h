@@ -108,6 +108,22 @@ MLRT_INLINE vf v_floats_at(const unsigned char *p, size_t step, size_t row_step)
 {
     return square_at(p, step, row_step);
 }
+MLRT_INLINE void v_store_rows(const float *first, size_t distance, unsigned char *at, size_t row_stride)
+{
+    for (int i = 0; i < 2; ++i, first += 8, at += 2 * row_stride) {
+        __m128 upper[4], lower[4];
+        MLRT_UNROLL
+        for (int k = 0; k < 4; ++k) {
+            const __m128 left = _mm_load_ps(first + k * distance), right = _mm_load_ps(first + k * distance + 4);
+            upper[k] = _mm_movelh_ps(left, right);
+            lower[k] = _mm_movehl_ps(right, left);
+        }
+        MLRT_UNROLL
+        for (int k = 0; k < 4; ++k) f4_store_any(at + 16 * k, upper[k]);
+        MLRT_UNROLL
+        for (int k = 0; k < 4; ++k) f4_store_any(at + row_stride + 16 * k, lower[k]);
+    }
+}
 MLRT_INLINE void i_pairs_at(const unsigned char *p, size_t step, size_t row_step, vi *firsts, vi *seconds)
 {
     const __m128 upper = pairs_at(p, step), lower = pairs_at(p + row_step, step);

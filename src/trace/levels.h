@@ -38,14 +38,14 @@ static int is_list(const struct mlrt_source *source)
     return source->kind != MLRT_SOURCE_CAMERA && source->width <= 4;
 }
 
-/* Traces the rays of a packet that float does not carry, and writes the results of the packet. */
+/* Traces the rays of a packet that float does not carry, and adds it to a row that is written together. */
 static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
-                         uint32_t place)
+                         uint32_t place, struct row_of_packets *row)
 {
     struct mlrt_packet *packet = &tile->packets[place];
     const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
     if (MLRT_UNLIKELY(packet->single)) finish_packet(job, worker, packet);
-    write_packet(job, worker, packet, mlrt_existing_lanes(&job->source, &block), &block);
+    add_to_row(packet, mlrt_existing_lanes(&job->source, &block), &block, row);
 }
 
 /* Sets (*x, *y) to the corner of the tile after `tile`, where tiles go row by row through squares of 64 pixels. */
@@ -61,7 +61,7 @@ static void find_next_tile(const struct mlrt_source *source, const struct mlrt_r
 /*
  * Prefetches the places of the triangles that a packet hits: t, u and v are computed from the corners in leaves, which
  * the traversal has read, but it knows triangles by their numbers. A packet whose lanes all hit one triangle is left
- * out, since one cache miss costs little. Always inlined: the compiler drops a call of a function that only prefetches.
+ * out, since one cache miss costs little.
  */
 MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet)
 {
@@ -88,34 +88,45 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
     }
     tile->made = 0xFFFF;
     const uint32_t waiting = make_packets(job, tile);
-    if (!is_list(&job->source)) mlrt_prefetch_sink(&tile->area, &job->frame);
     trace_bundle(job, worker, bundle, waiting);
     bundle->state.closed = 0;
 }
 
+/* Prefetches what a row of a tile needs: its rays, and the elements of the caller's arrays for their results. */
+MLRT_INLINE void prefetch_row_of_tile(const struct mlrt_job *job, uint32_t x, uint32_t y)
+{
+    const struct mlrt_source *source = &job->source;
+    if (x >= source->width || y >= source->height) return;
+    mlrt_prefetch_row(source, x, y);
+    mlrt_prefetch_sink(&job->frame, x, y, source->width - x < 16 ? source->width - x : 16);
+}
+
 /*
- * Writes the results of the packets of a tile, and prefetches the rays of the next one. Their rows lie too far apart
- * for the processor's own prefetching, and only few cache misses can be under way at once: so each packet that is
- * written prefetches one row. A list needs no prefetch, as it is read in order.
+ * Writes the results of the packets of a tile, and prefetches rows of the next one. They lie too far apart for the
+ * processor's own prefetching, and only few cache misses can be under way at once: so each packet that is written
+ * prefetches one row. A list needs no prefetch, as it is read in order.
  */
 static void write_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                           const struct mlrt_bundle *bundle)
 {
     const int has_numbers = (job->frame.numbers | worker->sinks.tile.numbers) != 0;
     const int has_rows = !is_list(&job->source);
-    const uint32_t open = tile->blocks & ~bundle->state.closed;
+    const uint32_t open = tile->blocks & ~bundle->state.closed, last_column = (1u << tile->column_bits) - 1;
+    struct row_of_packets row = {.count = 0};
     uint32_t next_x, next_y;
     find_next_tile(&job->source, &tile->area, &next_x, &next_y);
     for (uint32_t left = tile->blocks; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), ahead = place + 2;
-        if (has_rows) mlrt_prefetch_row(&job->source, next_x, next_y + place);
+        if (has_rows) prefetch_row_of_tile(job, next_x, next_y + place);
         if (has_numbers && open >> ahead & 1) prefetch_triangles(job->tree, &tile->packets[ahead]);
         if (bundle->state.closed >> place & 1) {
             const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
             write_closed(job, worker, bundle->hulls.closed.cover[place], &block);
         } else {
-            finish_block(job, worker, tile, place);
+            finish_block(job, worker, tile, place, &row);
         }
+        const int has_neighbour = (place & last_column) != last_column && open >> place & 2;
+        if (!has_neighbour) write_row(job, worker, &row);
     }
 }
 

@@ -85,6 +85,17 @@ static void run_blocks(const struct word_input *in, struct word_output *out)
     }
 }
 
+/* Four packets, the third and the fourth of which have the lanes of the others in another order. */
+static void run_rows(const struct word_input *in, struct word_output *out)
+{
+    MLRT_ALIGNED(64) float packets[4][2 * WORD_LANES];
+    for (int i = 0; i < WORD_LANES; ++i) {
+        packets[0][i] = in->a[i], packets[2][i] = in->a[(i + 5) % WORD_LANES];
+        packets[1][i] = in->b[i], packets[3][i] = in->b[(i + 3) % WORD_LANES];
+    }
+    v_store_rows(packets[0], 2 * WORD_LANES, (unsigned char *)out->values[WORD_STORE_ROWS], sizeof out->values[0]);
+}
+
 static void put_bits(struct word_output *out, int word, int lane, unsigned bits)
 {
     const unsigned past = bits >> DW;
@@ -180,6 +191,7 @@ void RUN_WORDS(const struct word_input *in, struct word_output *out)
     for (int v = 0; v < WORD_LANES; v += 4) run_quad(in, v, out);
     for (int lane = 0; lane < WORD_LANES; lane += DW) run_doubles(in, lane, out);
     run_blocks(in, out);
+    run_rows(in, out);
     run_corners(in, out);
     if (in->has_order) run_least(in, out);
 }
