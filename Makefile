@@ -4,6 +4,8 @@
 #   make help            this list
 #   make deps            installs the packages that examples and tests need (Debian and Ubuntu; elsewhere it names them)
 #   make test            builds and runs every test
+#   make test-mutants    breaks rules of the paper's method one at a time, in copies of the sources (tests/mutants.txt), and shows
+#                        that a test fails each time: minutes. MUTANTS="cover mailbox": those whose titles have such a word
 #   make test-python     tests the Python package in bindings/python, and its types if pyright is installed
 #   make test-bindings   tests the bindings of other languages whose tools are installed
 #   make deps-bindings   installs those of these tools that Debian has: LuaJIT, LuaRocks and clang
@@ -148,7 +150,7 @@ TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_
 .PHONY: all library examples docs docs-python demo reproduce format clean
 .PHONY: deps deps-study deps-docs deps-bindings deps-python
 .PHONY: package-rust package-go package-node package-java package-lua bindings-coverage
-.PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn check-layers test-wheel test-trimesh
+.PHONY: test test-mutants test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn check-layers test-wheel test-trimesh
 .PHONY: install install-strip uninstall
 .PHONY: help test-packaging deps-packaging
 .PHONY: bench charts charts-accuracy charts-speed data data-reproduction data-price data-depth data-python
@@ -375,6 +377,7 @@ DATA_steps-parts = $(BUILD)/bin/steps --study parts $(call OF_SCENES,$(if $(SCEN
 DATA_steps-views = $(BUILD)/bin/steps --study views $(PAPER_ROOMS)
 DATA_reproduce-1 = $(BUILD)/bin/reproduce $(PAPER_ALL) $(PAPER_TILES) --only 1
 DATA_reproduce-2 = $(BUILD)/bin/reproduce $(PAPER_ROOMS) $(PAPER_TILES) --only 2,3,4 --runs $(RUNS)
+DATA_mutants = python3 tests/mutants.py --csv $(BUILD)/mutants
 DATA_reproduce-5 = $(BUILD)/bin/reproduce $(PAPER_ROOMS) --only 5,6,7
 PYTHON_BENCH = PYTHONPATH=bindings/python $(TEST_PYTHON) bindings/python/bench.py --csv $(BUILD)/bench.py.csv --only $(1) >&2 && cat $(BUILD)/bench.py.csv
 PYTHON_SCENES = $(call OF_SCENES,,erw6 conference_mgf dragon)
@@ -390,7 +393,7 @@ PAPER_DATA := steps-forms reproduce-5 reproduce-1 reproduce-2 steps-views steps-
 PRICE_DATA := price-guess price-worst
 DEPTH_DATA := depth-small depth-limits
 PYTHON_DATA := python-arrays python-trimesh python-calls python-distributed
-ALL_DATA := $(SPEED_DATA) $(PAPER_DATA) $(ACCURACY_DATA) $(PRICE_DATA) $(DEPTH_DATA) $(PYTHON_DATA) costs sweep
+ALL_DATA := $(SPEED_DATA) $(PAPER_DATA) $(ACCURACY_DATA) $(PRICE_DATA) $(DEPTH_DATA) $(PYTHON_DATA) costs sweep mutants
 
 measure-%:
 	@mkdir -p docs/data
@@ -512,6 +515,10 @@ build-tests: $(addprefix $(BUILD)/tests/,$(TESTS)) examples
 test: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory build-tests
 	@BUILD=$(BUILD) CC="$(CC)" sh tests/run.sh $(addprefix $(BUILD)/tests/,$(TESTS))
+
+MUTANTS ?=
+test-mutants: | $(AFTER_DEPS)
+	@python3 tests/mutants.py $(BUILD)/mutants $(MUTANTS)
 
 check-abi update-abi: $(BUILD)/libmlrt.so $(BUILD)/abi/interface.inc
 	@CC='$(CC)' sh tests/abi/check.sh $(if $(filter update-abi,$@),update) $(BUILD)/abi $(BUILD)/libmlrt.so

@@ -26,6 +26,13 @@
 #define SANITIZED 0
 #endif
 
+/* ONE_TEST=NAME: of a program's tests, this alone is run. */
+__attribute__((constructor)) static void choose_test(void)
+{
+    const char *name = getenv("ONE_TEST");
+    if (name) cmocka_set_test_filter(name);
+}
+
 size_t scaled(size_t count)
 {
     return SANITIZED ? (count + 7) / 8 : count;

@@ -17,7 +17,7 @@ DATA.csv        several may be given, A.csv=TITLE,B.csv=TITLE: the column `file`
 rows=A,B        a row for each combination of what these columns have. rows=cell: a row for each cell=
 columns=A,B     a column for each combination; without it, for each cell=. A^ is what A has before a "="
 cell=[TITLE:]   what is in a cell: text, with _ for spaces, and values in braces. A VALUE is a column, a sum A+B, or a
-                quotient of these. FORMAT is Python's, or % with decimals, ppm, ms, or `speed`, three digits of a rate;
+                quotient of these. FORMAT is Python's (s: text), or % with decimals, ppm, ms, or `speed`, three digits of a rate;
                 ? after it leaves out 0. TITLE: where there are several
 where=A=x|y:T   only rows whose A is x or y, in this order, with titles, if any; where=A!=x: only the others
 several=WHAT    of several rows for one cell the least, median, greatest, sum, (geometric) mean, or `spread`, three columns;
@@ -205,8 +205,9 @@ def values_of(rows, template, several):
     """For each value in the template one number; of several rows those that `several` says."""
     values = []
     ways = several.split(",") if several else [None]
-    for i, (_, value) in enumerate(PART.findall(template)):
-        found = [one for one in (number(row, value) for row in rows) if one is not None]
+    for i, (form, value) in enumerate(PART.findall(template)):
+        found = [row[value] if form == "s" else number(row, value) for row in rows]
+        found = [one for one in found if one is not None]
         if len(found) > 1 and several is None:
             raise Mistake(f"{len(found)} rows have a {value} for one cell")
         way = ways[min(i, len(ways) - 1)]
@@ -268,7 +269,7 @@ def make_table(rows, specification):
             for cell in shown:
                 template = (row_cell or cell)[1]
                 line += [cell_text(of_cell, template, kind) for kind in kinds]
-                firsts.setdefault(column[-1] if column else "", number(of_cell[0], PART.findall(template)[0][1]) if of_cell else None)
+                firsts.setdefault(column[-1] if column else "", number(of_cell[0], PART.findall(template)[0][1]) if of_cell and s.ratios else None)
         for above, below in s.ratios:
             line.append(f"{firsts[above] / firsts[below]:.2f}" if firsts.get(above) and firsts.get(below) else "")
         body.append(line)

@@ -4,8 +4,8 @@
  * machine.
  *
  * Calls with counters get kernels of the narrowest instruction set: SSE2, or plain C where there is no SSE2. Its
- * kernels count in calls without counters, too, which takes 1 or 2 % of their time; only the kd-tree has others in SSE2
- * that do not. Kernels that count for every instruction set would nearly double the size of the library.
+ * kernels count in calls without counters, too; only the kd-tree has others in SSE2 that do not. Kernels that count for
+ * every instruction set would nearly double the size of the library.
  */
 #include "run/dispatch.h"
 
