@@ -186,9 +186,7 @@ static int begin_apex_cells(const struct mlrt_source *source, size_t first, floa
     return mlrt_set_apex(point, unit, waist);
 }
 
-/*
- * Makes a bundle of the tiles of any-hit rays in `area`, which refers to *cells. Returns 0 if there is none.
- */
+/* Makes a bundle of the tiles of any-hit rays in `area`, which refers to *cells. Returns 0 if there is none. */
 static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, struct array_cells *cells,
                               struct mlrt_bundle *bundle)
 {
@@ -201,7 +199,8 @@ static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rect
     cells->area = *area;
     cells->from = NULL;
     cells->have_ends = 0;
-    cells->are_parallel = source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT || (!is_light && !cells->reader.directions.step);
+    cells->are_parallel =
+        source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT || (!is_light && !cells->reader.directions.step);
     if (!is_light && cells->reader.directions.step && cells->reader.points.step) return 0;
     bundle->scene.unit = cells->unit = job->tree->bvh.unit;
     begin_cells(0, bundle);
@@ -211,7 +210,8 @@ static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rect
         const struct mlrt_rectangle tile = tile_of_cell(area, place);
         const size_t first = (size_t)tile.y * source->width + tile.x;
         if (16 * (place % 4) >= area->width || 16 * (place / 4) >= area->height) continue;
-        if (!there && !cells->are_parallel && !begin_apex_cells(source, first, bundle->scene.unit, cells, &bundle->waist))
+        if (!there && !cells->are_parallel &&
+            !begin_apex_cells(source, first, bundle->scene.unit, cells, &bundle->waist))
             return 0;
         const enum array_kind kind = add_array_cell(cells, &tile, &known, place, bundle);
         there |= (uint32_t)(kind == HAS_HULL) << place;

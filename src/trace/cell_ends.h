@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where the rays of cells begin or end, cells being tiles of the caller's arrays whose rays have not been made
- * (array_cells.h): rays to a light end on the surface that it shines on, and parallel rays begin there. Depths do not
- * tell on which side of such a surface they do, so the rays are read again, and decided in double as those of packets
- * are (leaf.h, "BEGINS AND ENDS").
+ * Where the rays of cells end or begin, cells being tiles of the caller's arrays without rays (array_cells.h): rays to a
+ * light end on the surface that it shines on, and parallel rays begin there. Depths do not tell on which side of such a
+ * surface that is, and where a wall is there twice, neighbouring rays skip different triangles.
+ *
+ * The ends of all rays of a cell lie in a box, and in a slab that is parallel to a plane which the cell met. Both
+ * together tell the side of any plane that is nearly parallel to an axis or to the slab (L21 of docs/accuracy.md,
+ * "Bundles"). For another plane the rays are read again, for a new slab.
  */
 #ifndef MLRT_TRACE_CELL_ENDS_H
 #define MLRT_TRACE_CELL_ENDS_H
@@ -19,7 +22,7 @@
 #include "trace/leaf.h"
 #include "trace/plane_order.h"
 
-#define SLAB_ERROR 0x1p-46
+#define SLAB_ERROR 0x1p-46 /* L21 */
 
 /*
  * A slab, and a box, in which the points e of all rays of a cell lie: d of rays to a light, o of parallel rays.
@@ -204,7 +207,8 @@ static MLRT_NOINLINE uint32_t find_cells_apart(const struct mlrt_tree *tree, con
         const uint32_t place = mlrt_lowest_bit(places), bit = places & (0u - places);
         struct cell_slab *slab = &cells->slabs[place];
         of.sign = backward & bit ? -1 : 1;
-        if (bundle->hulls.closed.skip[place] == number || is_slab_apart(slab, &of) || turn_slab(cells, place, &of, slab))
+        if (bundle->hulls.closed.skip[place] == number || is_slab_apart(slab, &of) ||
+            turn_slab(cells, place, &of, slab))
             apart |= bit;
     }
     return apart;

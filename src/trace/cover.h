@@ -25,7 +25,7 @@
  * of leaf.h are, with its own error in place of EDGE_ERROR. So walls that are drawn twice leave packets closed.
  *
  * BEGINS AND ENDS (L15). Rays begin on surfaces, and end on them. Whether they reach a triangle there is decided in
- * double, lane by lane, as in leaf.h.
+ * double, lane by lane, as in leaf.h; for tiles of arrays, whose rays are not made, by cell_ends.h.
  *
  * CELLS OF A LIGHT (L20). The rays of such a packet skip a triangle S, and end before its plane, on the light's side
  * (shadow_ray.h). The hull contains the direction to a point of S, and D of S has one sign over it (find_order). So all
