@@ -533,6 +533,104 @@ static void squares_that_skip_two_triangles(void **state)
     free_fixture(&fixture);
 }
 
+enum { PLASTER_WIDTH = 64, PLASTER_HEIGHT = 48 };
+
+static float moved_by_floats(float x, int32_t steps)
+{
+    int32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    bits += steps;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+/* A parallelogram, and once more, cut along its other diagonal, with each coordinate up to `most` floats away. */
+static void add_doubled_wall(struct soup *soup, struct random *random, const float corner[3], const float side[3],
+                             const float other_side[3], uint32_t most)
+{
+    float corners[4][3];
+    for (int k = 0; k < 3; k++) {
+        corners[0][k] = corner[k];
+        corners[1][k] = corner[k] + side[k];
+        corners[2][k] = corner[k] + side[k] + other_side[k];
+        corners[3][k] = corner[k] + other_side[k];
+    }
+    for (int copy = 0; copy < 2; copy++) {
+        soup_add_triangle(soup, corners[copy], corners[copy + 1], corners[copy + 2]);
+        soup_add_triangle(soup, corners[copy], corners[copy + 2], corners[(copy + 3) % 4]);
+        for (int i = 0; i < 12; i++) {
+            corners[i / 3][i % 3] =
+                moved_by_floats(corners[i / 3][i % 3], (int32_t)draw_below(random, 2 * most + 1) - (int32_t)most);
+        }
+    }
+}
+
+/*
+ * Points a few floats before and behind such a wall, many to a triangle, that skip one copy, the other, both by turns,
+ * or none. So a square of them may be decided as a whole, or one point may be the exception.
+ */
+static struct points points_of_plaster(struct random *random, const float corner[3], const float side[3],
+                                       const float other_side[3], float width)
+{
+    struct points points = make_points((size_t)PLASTER_WIDTH * PLASTER_HEIGHT);
+    const float u = 0.1f + 0.5f * draw_range(random, 0, 1), v = 0.1f + 0.5f * draw_range(random, 0, 1);
+    const int32_t height = ((int32_t)draw_below(random, 13) - 6) * (draw_below(random, 2) ? 1 : 12),
+                  axis = (int32_t)draw_below(random, 3);
+    const uint32_t wobble = draw_below(random, 3), skipping = draw_below(random, 5), rare = draw_below(random, 2);
+    points.row_length = PLASTER_WIDTH;
+    for (size_t i = 0; i < points.count; i++) {
+        const float x = u + width * (float)(i % PLASTER_WIDTH), y = v + width * (float)(i / PLASTER_WIDTH);
+        float *point = points.positions + 3 * i;
+        for (int k = 0; k < 3; k++) point[k] = corner[k] + x * side[k] + y * other_side[k];
+        const int32_t steps = height + (int32_t)draw_below(random, 2 * wobble + 1) - (int32_t)wobble;
+        point[axis] = moved_by_floats(point[axis], rare && draw_below(random, 500) == 0 ? -steps : steps);
+        if (skipping == 0) continue;
+        points.skip[2 * i] = 0;
+        points.skip[2 * i + 1] = skipping == 1   ? draw_below(random, 4)
+                                 : skipping == 2 ? i / 7 % 2 * 2
+                                 : skipping == 3 ? 1
+                                                 : 4 * (draw_below(random, 200) == 0); /* what stands before the wall */
+    }
+    return points;
+}
+
+static void points_between_doubled_walls(void **state)
+{
+    (void)state;
+    static const uint32_t mosts[] = {0, 1, 2, 3, 60, 1000};
+    for (uint64_t seed = 1; seed <= scaled(130); seed++) {
+        struct random random = {seed};
+        struct soup soup = {0};
+        float corner[3], side[3] = {0}, other_side[3] = {0}, chip[3][3], middle[3];
+        const uint32_t axis = draw_below(&random, 3), is_tilted = draw_below(&random, 2);
+        for (uint32_t k = 0; k < 3; k++) {
+            corner[k] = draw_range(&random, 2, 12);
+            if (is_tilted) side[k] = draw_range(&random, -1, 1), other_side[k] = draw_range(&random, -1, 1);
+        }
+        side[axis] += 6;
+        other_side[(axis + 1) % 3] += 5;
+        add_doubled_wall(&soup, &random, corner, side, other_side, mosts[draw_below(&random, 6)]);
+        struct points points =
+            points_of_plaster(&random, corner, side, other_side, draw_below(&random, 2) ? 0.0005f : 0.004f);
+        for (int k = 0; k < 3; k++) middle[k] = points.positions[3 * (points.count / 2) + (size_t)k];
+        const float far = draw_below(&random, 2) ? 3 : -3, chip_size = draw_below(&random, 2) ? 0.02f : 0.5f;
+        mlrt_light lights[] = {light_at(middle[0], middle[1], middle[2]), light_from(0, 0, 0)};
+        for (uint32_t k = 0; k < 3; k++) {
+            lights[1].position[k] = (k == (axis + 2) % 3 ? far : 0) + draw_range(&random, -1, 1);
+            lights[0].position[k] += lights[1].position[k];
+            for (int i = 0; i < 3; i++) {
+                const float across = chip_size * (float)(i - 1), along = chip_size * (i == 1 ? 1 : -1);
+                chip[i][k] = middle[k] + 0.25f * lights[1].position[k] + across * side[k] + along * other_side[k];
+            }
+        }
+        if (draw_below(&random, 2)) soup_add_triangle(&soup, chip[0], chip[1], chip[2]);
+        struct fixture fixture = fixture_of_soup("plaster", seed, &soup);
+        for (size_t l = 0; l < 2; l++) check(&fixture, &points, &lights[l]);
+        free_points(&points);
+        free_fixture(&fixture);
+    }
+}
+
 /*
  * Before each square of 16x16 points, a chip far smaller than the gaps between points shades one of those at its edge.
  * The hull of the square must have that ray, too.
@@ -612,6 +710,7 @@ int main(void)
         cmocka_unit_test(strides_of_points_and_results),
         cmocka_unit_test(squares_of_points),
         cmocka_unit_test(squares_that_skip_two_triangles),
+        cmocka_unit_test(points_between_doubled_walls),
         cmocka_unit_test(a_chip_before_the_edge_of_each_square),
         cmocka_unit_test(the_query_option_is_ignored),
     };

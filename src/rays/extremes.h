@@ -40,4 +40,10 @@ struct extremes {
 
 #define NO_EXTREMES ((struct extremes){v_set1(INFINITY), v_set1(INFINITY)})
 
+MLRT_INLINE void add_to_extremes(vf a, struct extremes *of)
+{
+    of->least = v_min(a, of->least);
+    of->negated = v_min(v_sub(v_set1(0), a), of->negated);
+}
+
 #endif

@@ -17,22 +17,13 @@
 
 #include "rays/read_arrays.h"
 #include "trace/camera_cells.h"
+#include "trace/cell_ends.h"
 #include "trace/ray_hulls.h"
-
-/* What all rays of a square have in common. */
-struct array_cells {
-    struct mlrt_array_reader reader;
-    const struct mlrt_array_layout *vectors; /* directions, or origins of parallel rays; `from` is subtracted */
-    const float *from;                       /* the waist, not in units; NULL: 0 */
-    int are_parallel;
-    int have_ends;  /* they end at t = 1 */
-    float slope[2]; /* of parallel rays */
-    float unit;     /* of the bundle */
-};
 
 /* Extremes of the rays of a tile, for each lane of a vector apart. */
 struct array_extremes {
     struct extremes across[2]; /* slopes; or places */
+    struct extremes box[3];    /* of points, from the main axis on (cell_ends.h) */
     struct extremes depth;     /* |d_main|, not in units; or depths of origins */
     vf sum;                    /* of all |slopes| or |places|: NaN or infinite if one of them is */
 };
@@ -52,32 +43,25 @@ static int corners_skip_one(const struct mlrt_array_layout *skip, size_t element
     return !memcmp(first, first + across, 8) && !memcmp(first, last, 8) && !memcmp(first, last + across, 8);
 }
 
-/* Do all rays of a block skip the triangle of `pair`? */
-MLRT_INLINE int skips_triangle(const struct mlrt_array_layout *skip, size_t element, const uint32_t pair[2])
-{
-    uint32_t others = 0;
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        vi meshes, triangles;
-        i_pairs_at(skip->data + element * skip->stride + offset_of_lane(skip, v), skip->step, skip->row_step, &meshes,
-                   &triangles);
-        others |= ~m_bits(m_and(i_eq(meshes, i_set1(pair[0])), i_eq(triangles, i_set1(pair[1])))) & ALL_LANES;
-    }
-    return !others;
-}
-
 /* Extends `of` by the rays of a block. A hull needs slopes and places of all rays that are finite, and no NaN. */
 static MLRT_NOINLINE enum array_kind add_block(const struct array_cells *cells, size_t element,
                                                const struct mlrt_waist *waist, struct array_extremes *of)
 {
     MLRT_ALIGNED(64) float rows[3][MLRT_PACKET_RAYS];
-    const struct mlrt_array_layout *vectors = cells->vectors;
     const int a = waist->main_axis;
     const vf zero = v_set1(0);
-    read_vectors(vectors, vectors->data + element * vectors->stride, cells->from, rows, NULL);
+    read_points(cells, element, rows);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        vf depth = v_flip(v_load(rows[a] + v), v_set1(waist->sign)), across[2];
+        vf point[3], across[2];
         MLRT_UNROLL
-        for (int i = 0; i < 2; ++i) across[i] = v_load(rows[mlrt_slope_axis(a, i)] + v);
+        for (int k = 0; k < 3; ++k) {
+            point[k] = v_load(rows[(a + k) % 3] + v);
+            add_to_extremes(point[k], &of->box[k]);
+            if (cells->are_parallel) point[k] = v_sub(point[k], v_set1(cells->from[(a + k) % 3]));
+        }
+        vf depth = v_flip(point[0], v_set1(waist->sign));
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) across[i] = point[1 + i];
         if (cells->are_parallel) {
             depth = v_mul(depth, v_set1(cells->unit));
             MLRT_UNROLL
@@ -89,12 +73,10 @@ static MLRT_NOINLINE enum array_kind add_block(const struct array_cells *cells, 
             MLRT_UNROLL
             for (int i = 0; i < 2; ++i) across[i] = v_mul(across[i], inverse);
         }
-        of->depth.least = v_min(depth, of->depth.least);
-        of->depth.negated = v_min(v_sub(zero, depth), of->depth.negated);
+        add_to_extremes(depth, &of->depth);
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
-            of->across[i].least = v_min(across[i], of->across[i].least);
-            of->across[i].negated = v_min(v_sub(zero, across[i]), of->across[i].negated);
+            add_to_extremes(across[i], &of->across[i]);
             of->sum = v_add(v_abs(across[i]), of->sum);
         }
     }
@@ -109,7 +91,7 @@ static MLRT_NOINLINE enum array_kind add_block(const struct array_cells *cells, 
 }
 
 /* Sets the hull of a tile. Returns IS_MIXED if float does not carry its rays. */
-static enum array_kind set_array_cell(const struct array_cells *cells, const struct array_extremes *of, uint32_t place,
+static enum array_kind set_array_cell(struct array_cells *cells, const struct array_extremes *of, uint32_t place,
                                       struct mlrt_bundle *bundle)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
@@ -126,42 +108,48 @@ static enum array_kind set_array_cell(const struct array_cells *cells, const str
         if (cells->are_parallel) at->lo[place] = lo, at->hi[place] = hi;
         fits &= cells->are_parallel || (lo >= -STEEPEST_SLOPE && hi <= STEEPEST_SLOPE);
     }
+    set_box(of->box, bundle->waist.main_axis, &cells->slabs[place]);
     if (cells->are_parallel) hulls->first[place] = near, hulls->closed.core_first[place] = far;
     if (cells->have_ends) hulls->closed.core_last[place] = near, hulls->last[place] = far;
     return fits ? HAS_HULL : IS_MIXED;
 }
 
-/* Makes a cell of a tile of 16x16 rays that all skip the same triangle, or none. Others are mixed. */
-static enum array_kind add_array_cell(const struct array_cells *cells, const struct mlrt_rectangle *tile,
+/* Makes a cell of a tile of 16x16 rays. */
+static enum array_kind add_array_cell(struct array_cells *cells, const struct mlrt_rectangle *tile,
                                       struct known_mesh *known, uint32_t place, struct mlrt_bundle *bundle)
 {
     const struct mlrt_source *source = cells->reader.source;
     const struct mlrt_array_layout *skip = &cells->reader.skip;
     const size_t element = (size_t)tile->y * source->width + tile->x;
-    struct array_extremes of = {{NO_EXTREMES, NO_EXTREMES}, NO_EXTREMES, v_set1(0)};
+    struct array_extremes of = {.across = {NO_EXTREMES, NO_EXTREMES},
+                                .box = {NO_EXTREMES, NO_EXTREMES, NO_EXTREMES},
+                                .depth = NO_EXTREMES,
+                                .sum = v_set1(0)};
     enum array_kind kind = HAS_HULL;
+    int skips_one = 0;
     uint32_t pair[2];
     if (tile->width + tile->height < 32 || element + 15 * (size_t)source->width + 16 > source->count) return IS_MIXED;
-    if (skip->data) {
-        if (!corners_skip_one(skip, element, source->width)) return IS_MIXED;
+    if (skip->data && corners_skip_one(skip, element, source->width)) {
         memcpy(pair, skip->data + element * skip->stride, sizeof pair);
-        find_mesh(source->tree, pair[0], known);
-        if (pair[1] < known->range.count) bundle->hulls.closed.skip[place] = known->range.first + pair[1];
+        skips_one = 1;
     }
     for (uint32_t block = 0; block < 16; ++block) {
-        const size_t first = element + (size_t)(block & ~3u) * source->width + 4 * (block & 3);
+        const size_t first = element_of_block(cells, tile, block);
         mlrt_prefetch_row(source, tile->x + 16, tile->y + block);
-        if (skip->data && !skips_triangle(skip, first, pair)) return IS_MIXED;
+        if (skips_one) skips_one = lanes_with_pair(skip, first, pair) == 0xFFFF;
         const enum array_kind kind_of_block = add_block(cells, first, &bundle->waist, &of);
         if (kind_of_block == IS_MIXED || (block && kind_of_block != kind)) return IS_MIXED;
         kind = kind_of_block;
+    }
+    if (skips_one) {
+        find_mesh(source->tree, pair[0], known);
+        if (pair[1] < known->range.count) bundle->hulls.closed.skip[place] = known->range.first + pair[1];
     }
     return kind == HAS_HULL ? set_array_cell(cells, &of, place, bundle) : kind;
 }
 
 /* Begins cells of parallel rays. Returns 0 if float does not carry them. */
-static int begin_parallel_cells(const struct mlrt_bvh *bvh, struct array_cells *cells, float middle[3],
-                                struct mlrt_waist *waist)
+static int begin_parallel_cells(const struct mlrt_bvh *bvh, struct array_cells *cells, struct mlrt_waist *waist)
 {
     const float *direction = (const float *)(const void *)cells->reader.directions.data;
     mlrt_set_main_axis(direction, waist);
@@ -174,12 +162,12 @@ static int begin_parallel_cells(const struct mlrt_bvh *bvh, struct array_cells *
         fits &= fabsf(slope) >= LEAST_SLOPE || direction[mlrt_slope_axis(waist->main_axis, i)] == 0;
     }
     for (int k = 0; k < 3; ++k) {
-        middle[k] = 0.5f * (bvh->core.lo[k] + bvh->core.hi[k]) / bvh->unit;
-        fits &= fabsf(middle[k]) < 0x1p100f; /* differences from it do not overflow */
+        cells->middle[k] = 0.5f * (bvh->core.lo[k] + bvh->core.hi[k]) / bvh->unit;
+        fits &= fabsf(cells->middle[k]) < 0x1p100f; /* differences from it do not overflow */
     }
     cells->vectors = &cells->reader.points;
-    cells->from = middle;
-    return fits && mlrt_set_apex(middle, bvh->unit, waist);
+    cells->from = cells->middle;
+    return fits && mlrt_set_apex(cells->middle, bvh->unit, waist);
 }
 
 /* Begins cells of rays from one point. `first` is the element of one ray, which gives the main axis. */
@@ -198,36 +186,40 @@ static int begin_apex_cells(const struct mlrt_source *source, size_t first, floa
     return mlrt_set_apex(point, unit, waist);
 }
 
-/* Makes a bundle of the tiles of any-hit rays in `area`. Returns 0 if there is none. */
-static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, struct mlrt_bundle *bundle)
+/* Makes a bundle of the tiles of any-hit rays in `area`, which refers to *cells. Returns 0 if there is none. */
+static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, struct array_cells *cells,
+                              struct mlrt_bundle *bundle)
 {
-    struct array_cells cells = {.from = NULL};
     struct known_mesh known = NO_MESH;
     const struct mlrt_source *source = &job->source;
-    float middle[3];
     uint32_t there = 0, is_void = 0;
-    if (!job->any || source->has_masks || !mlrt_begin_reading(source, &cells.reader)) return 0;
-    if (cells.reader.t_min.data || cells.reader.t_max.data) return 0;
+    if (!job->any || source->has_masks || !mlrt_begin_reading(source, &cells->reader)) return 0;
+    if (cells->reader.t_min.data || cells->reader.t_max.data) return 0;
     const int is_light = source->kind != MLRT_SOURCE_RAYS;
-    cells.are_parallel = source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT || (!is_light && !cells.reader.directions.step);
-    if (!is_light && cells.reader.directions.step && cells.reader.points.step) return 0;
-    bundle->scene.unit = cells.unit = job->tree->bvh.unit;
+    cells->area = *area;
+    cells->from = NULL;
+    cells->have_ends = 0;
+    cells->are_parallel =
+        source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT || (!is_light && !cells->reader.directions.step);
+    if (!is_light && cells->reader.directions.step && cells->reader.points.step) return 0;
+    bundle->scene.unit = cells->unit = job->tree->bvh.unit;
     begin_cells(0, bundle);
-    if (cells.are_parallel && !begin_parallel_cells(&job->tree->bvh, &cells, middle, &bundle->waist)) return 0;
+    bundle->arrays = cells;
+    if (cells->are_parallel && !begin_parallel_cells(&job->tree->bvh, cells, &bundle->waist)) return 0;
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
-        const struct mlrt_rectangle tile = mlrt_cut_piece(area, 16 * (place % 4), 16 * (place / 4), 16);
+        const struct mlrt_rectangle tile = tile_of_cell(area, place);
         const size_t first = (size_t)tile.y * source->width + tile.x;
         if (16 * (place % 4) >= area->width || 16 * (place / 4) >= area->height) continue;
-        if (!there && !cells.are_parallel &&
-            !begin_apex_cells(source, first, bundle->scene.unit, &cells, &bundle->waist))
+        if (!there && !cells->are_parallel &&
+            !begin_apex_cells(source, first, bundle->scene.unit, cells, &bundle->waist))
             return 0;
-        const enum array_kind kind = add_array_cell(&cells, &tile, &known, place, bundle);
+        const enum array_kind kind = add_array_cell(cells, &tile, &known, place, bundle);
         there |= (uint32_t)(kind == HAS_HULL) << place;
         is_void |= (uint32_t)(kind == IS_VOID) << place;
     }
-    if (cells.are_parallel) there = hulls_fit(bundle, there);
+    if (cells->are_parallel) there = hulls_fit(bundle, there);
     bundle->state.going = there;
-    bundle->state.apexes = cells.are_parallel ? 0 : there;
+    bundle->state.apexes = cells->are_parallel ? 0 : there;
     bundle->state.closed = there | is_void;
     return bundle->state.closed != 0;
 }

@@ -45,6 +45,7 @@ static void begin_cells(uint32_t there, struct mlrt_bundle *bundle)
     struct mlrt_hulls *hulls = &bundle->hulls;
     bundle->state.going = bundle->state.closed = bundle->state.apexes = there;
     bundle->ends_at_skip = 0;
+    bundle->arrays = NULL;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         const vf zero = v_set1(0);
         MLRT_UNROLL

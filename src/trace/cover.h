@@ -25,7 +25,7 @@
  * of leaf.h are, with its own error in place of EDGE_ERROR. So walls that are drawn twice leave packets closed.
  *
  * BEGINS AND ENDS (L15). Rays begin on surfaces, and end on them. Whether they reach a triangle there is decided in
- * double, lane by lane, as in leaf.h.
+ * double, lane by lane, as in leaf.h; for tiles of arrays, whose rays are not made, by cell_ends.h.
  *
  * CELLS OF A LIGHT (L20). The rays of such a packet skip a triangle S, and end before its plane, on the light's side
  * (shadow_ray.h). The hull contains the direction to a point of S, and D of S has one sign over it (find_order). So all
@@ -46,6 +46,7 @@
 #include "rays/slope_limits.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
+#include "trace/cell_ends.h"
 #include "trace/ray_hulls.h"
 #include "trace/leaf.h"
 #include "trace/make_rays.h"
@@ -436,6 +437,10 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
             const uint32_t others = may_be & bundle->state.closed >> v & ~made;
             if (others && bundle->ends_at_skip)
                 met &= ~find_packets_behind(job, worker, bundle, number, others, v, &of);
+            if (others && bundle->arrays)
+                met &= ~(find_cells_apart(job->tree, bundle, number, others << v, ~m_bits(near_begin) << v,
+                                          m_bits(of.backward) << v) >>
+                         v);
             if (those) {
                 met &= ~(find_packets_apart(job->tree, bundle, number, those, ~m_bits(near_begin) << v,
                                             m_bits(of.backward) << v) >>
@@ -445,7 +450,11 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         for (uint32_t left = met & bundle->state.closed >> v; left; left &= left - 1) {
             const uint32_t place = (uint32_t)v + mlrt_lowest_bit(left), bit = left & (0u - left);
             if (!has_rays(bundle, place)) {
-                if (hulls->closed.skip[place] == number) met &= ~bit;
+                if (hulls->closed.skip[place] == number) {
+                    met &= ~bit;
+                } else if (bundle->arrays && m_bits(covers) & bit && cell_skips(bundle->arrays, place, number)) {
+                    skipping |= bit;
+                }
                 continue;
             }
             const uint32_t lanes = skipping_lanes(bundle, place, number);

@@ -25,10 +25,10 @@
  * tiles of arrays with one origin or one direction (array_cells.h). Returns 0 if that is not possible.
  */
 static int gather_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
-                        struct mlrt_bundle *bundle)
+                        struct array_cells *arrays, struct mlrt_bundle *bundle)
 {
     if (mlrt_is_pinhole(&job->source)) return gather_camera_cells(job, area, side, bundle);
-    if (side == 16 && job->source.kind != MLRT_SOURCE_CAMERA) return gather_array_cells(job, area, bundle);
+    if (arrays && job->source.kind != MLRT_SOURCE_CAMERA) return gather_array_cells(job, area, arrays, bundle);
     return 0;
 }
 
@@ -79,7 +79,7 @@ MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct m
 static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
     struct mlrt_ray_tile *tile = bundle->tile;
-    if (gather_cells(job, &tile->area, 4, bundle)) {
+    if (gather_cells(job, &tile->area, 4, NULL, bundle)) {
         trace_cells(job, worker, worker->bundles->open_tiles != 0, bundle);
         worker->bundles->open_tiles = worker->bundles->open_tiles ? worker->bundles->open_tiles - 1
                                       : !bundle->state.closed     ? MLRT_TILE_RUN
@@ -141,7 +141,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
     bundle.state.closed = 0;
     tile.cells = &bundle;
     if (known) {
-        gather_cells(job, area, 4, &bundle);
+        gather_cells(job, area, 4, NULL, &bundle);
         mlrt_fill_words(bundle.hulls.closed.cover, known->cover);
         write_closed(job, worker, known->cover, area);
     } else {
@@ -155,12 +155,13 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
 static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area)
 {
     struct mlrt_bundle bundle;
+    struct array_cells arrays;
     bundle.tile = NULL;
     bundle.state.closed = 0;
     if (worker->bundles->open_squares) {
         --worker->bundles->open_squares;
     } else {
-        if (gather_cells(job, area, 16, &bundle)) trace_cells(job, worker, 0, &bundle);
+        if (gather_cells(job, area, 16, &arrays, &bundle)) trace_cells(job, worker, 0, &bundle);
         if (!bundle.state.closed) worker->bundles->open_squares = MLRT_SQUARE_RUN;
     }
     struct known_lights known[MLRT_CELL_COUNT];

@@ -37,6 +37,7 @@ static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_b
     memcpy(hulls->closed.skip, seen->hulls.closed.cover, sizeof hulls->closed.skip);
     bundle->state.going = bundle->state.closed = bundle->state.apexes = lit;
     bundle->ends_at_skip = 1;
+    bundle->arrays = NULL;
     return lit;
 }
 

@@ -461,6 +461,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     const uint32_t cells = bundle->state.closed;
     const uint32_t sample_count = cells ? 0 : take_samples(bundle->tile, places, bundle->scene.unit, samples);
     begin_bundle(job, worker, bundle);
+    bundle->arrays = NULL;
     bundle->state.going = bundle->state.apexes = cells;
     bundle->has.places = 1;
     if (!cells && !choose_waist(&job->tree->bvh.core, samples, sample_count, &bundle->cache->waist, &bundle->waist)) {

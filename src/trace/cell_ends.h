@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Where the rays of cells end or begin, cells being tiles of the caller's arrays without rays (array_cells.h): rays to a
+ * light end on the surface that it shines on, and parallel rays begin there. Depths do not tell on which side of such a
+ * surface that is, and where a wall is there twice, neighbouring rays skip different triangles.
+ *
+ * The ends of all rays of a cell lie in a box, and in a slab that is parallel to a plane which the cell met. Both
+ * together tell the side of any plane that is nearly parallel to an axis or to the slab (L21 of docs/accuracy.md,
+ * "Bundles"). For another plane the rays are read again, for a new slab.
+ */
+#ifndef MLRT_TRACE_CELL_ENDS_H
+#define MLRT_TRACE_CELL_ENDS_H
+
+#include <math.h>
+
+#include "rays/extremes.h"
+#include "rays/read_arrays.h"
+#include "rays/rectangle.h"
+#include "rays/slope_limits.h"
+#include "simd/simd.h"
+#include "trace/bundle.h"
+#include "trace/leaf.h"
+#include "trace/plane_order.h"
+
+#define SLAB_ERROR 0x1p-46 /* L21 */
+
+/*
+ * A slab, and a box, in which the points e of all rays of a cell lie: d of rays to a light, o of parallel rays.
+ * `distance` - normal . e lies between `least` and `greatest`.
+ */
+struct cell_slab {
+    double normal[3];
+    double distance;
+    float least;
+    float greatest;
+    float lo[3];
+    float hi[3];
+};
+
+/* What all rays of a square have in common. */
+struct array_cells {
+    struct mlrt_array_reader reader;
+    struct mlrt_rectangle area;
+    const struct mlrt_array_layout *vectors; /* directions, or origins of parallel rays; `from` is subtracted */
+    const float *from;                       /* the waist, not in units; NULL: 0 */
+    float middle[3];                         /* the waist of parallel rays */
+    int are_parallel;
+    int have_ends;  /* they end at t = 1 */
+    float slope[2]; /* of parallel rays */
+    float unit;     /* of the bundle */
+    struct cell_slab slabs[MLRT_BUNDLE_PACKETS];
+};
+
+/* The tile of a square that a cell stands for. */
+MLRT_INLINE struct mlrt_rectangle tile_of_cell(const struct mlrt_rectangle *area, uint32_t place)
+{
+    return mlrt_cut_piece(area, 16 * (place % 4), 16 * (place / 4), 16);
+}
+
+/* The first element of a block of a tile whose rays are whole rows of sixteen. */
+MLRT_INLINE size_t element_of_block(const struct array_cells *cells, const struct mlrt_rectangle *tile, uint32_t block)
+{
+    return ((size_t)tile->y + (block & ~3u)) * cells->reader.source->width + tile->x + 4 * (block & 3);
+}
+
+/* Reads the directions of a block, or the origins of parallel rays. */
+MLRT_INLINE void read_points(const struct array_cells *cells, size_t element, float (*rows)[MLRT_PACKET_RAYS])
+{
+    const struct mlrt_array_layout *vectors = cells->vectors;
+    read_vectors(vectors, vectors->data + element * vectors->stride, cells->are_parallel ? NULL : cells->from, rows,
+                 NULL);
+}
+
+/* The lanes of a block that skip the triangle of a mesh that `pair` tells. */
+MLRT_INLINE uint32_t lanes_with_pair(const struct mlrt_array_layout *skip, size_t element, const uint32_t pair[2])
+{
+    uint32_t lanes = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        vi meshes, triangles;
+        i_pairs_at(skip->data + element * skip->stride + offset_of_lane(skip, v), skip->step, skip->row_step, &meshes,
+                   &triangles);
+        lanes |= m_bits(m_and(i_eq(meshes, i_set1(pair[0])), i_eq(triangles, i_set1(pair[1])))) << v;
+    }
+    return lanes;
+}
+
+/* Sets `pair` to the mesh and triangle by which rays skip the triangle `number`. Returns 0 if no ray can. */
+static int pair_of_number(const struct array_cells *cells, uint32_t number, uint32_t pair[2])
+{
+    const struct mlrt_tree *tree = cells->reader.source->tree;
+    if (!cells->reader.skip.data) return 0;
+    pair[0] = tree->meshes.ids[mlrt_mesh_of_triangle(tree, number)];
+    const struct mlrt_mesh_range mesh = mlrt_find_mesh(tree, pair[0]);
+    pair[1] = number - mesh.first;
+    return pair[1] < mesh.count;
+}
+
+/* Does a ray of a cell skip the triangle `number`? */
+static MLRT_NOINLINE int cell_skips(const struct array_cells *cells, uint32_t place, uint32_t number)
+{
+    const struct mlrt_rectangle tile = tile_of_cell(&cells->area, place);
+    uint32_t pair[2];
+    if (!pair_of_number(cells, number, pair)) return 0;
+    for (uint32_t block = 0; block < 16; ++block) {
+        if (lanes_with_pair(&cells->reader.skip, element_of_block(cells, &tile, block), pair)) return 1;
+    }
+    return 0;
+}
+
+/* A plane, as rays of cells see it: of the point e of a ray, which is d or o, N - D or N is `distance` - normal . e. */
+struct plane_of_cells {
+    struct mlrt_plane plane;
+    double distance;
+    double size; /* of `distance`: what its error is relative to */
+    double sign; /* of the numbers that let a ray pass */
+};
+
+/* Is a slab on the side of a plane where rays do not reach it? */
+static int is_slab_apart(const struct cell_slab *slab, const struct plane_of_cells *of)
+{
+    const double *n = of->plane.normal, *m = slab->normal;
+    const double share = (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) / (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+    double middle = of->distance - share * slab->distance, size = of->size + fabs(share * slab->distance), room = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double rest = n[k] - share * m[k], lo = slab->lo[k], hi = slab->hi[k];
+        middle -= rest * (0.5 * (lo + hi));
+        room += fabs(rest) * (0.5 * (hi - lo));
+        size += (of->plane.size[k] + fabs(share * m[k])) * (-lo > hi ? -lo : hi);
+    }
+    const double one = share * slab->least, two = share * slab->greatest, bound = room + size * SLAB_ERROR;
+    const double end = (one < two) == (of->sign > 0) ? one : two; /* the one that is nearer to the plane */
+    return (middle + end) * of->sign > bound;
+}
+
+/* Sets the slab of a cell to its box, whose extremes are given from an axis on. */
+MLRT_INLINE void set_box(const struct extremes from_axis[3], int axis, struct cell_slab *slab)
+{
+    for (int k = 0; k < 3; ++k) {
+        const struct extremes *of = &from_axis[(k + 3 - axis) % 3];
+        slab->lo[k] = v_hmin(of->least);
+        slab->hi[k] = -v_hmin(of->negated);
+        slab->normal[k] = k == 0;
+    }
+    slab->distance = 0;
+    slab->least = -slab->hi[0];
+    slab->greatest = -slab->lo[0];
+}
+
+/*
+ * Turns the slab of a cell so that it is parallel to a plane, if the cell is apart from that plane. Returns 0 if it is
+ * not.
+ */
+static int turn_slab(const struct array_cells *cells, uint32_t place, const struct plane_of_cells *of,
+                     struct cell_slab *slab)
+{
+    const struct mlrt_rectangle tile = tile_of_cell(&cells->area, place);
+    const double *n = of->plane.normal, scale = 1 / (fabs(n[0]) + fabs(n[1]) + fabs(n[2]));
+    MLRT_ALIGNED(64) float rows[3][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float heights[MLRT_PACKET_RAYS];
+    struct extremes all = NO_EXTREMES;
+    struct cell_slab turned = *slab;
+    for (int k = 0; k < 3; ++k) turned.normal[k] = n[k] * scale;
+    turned.distance = of->distance * scale;
+    for (uint32_t block = 0; block < 16; ++block) {
+        read_points(cells, element_of_block(cells, &tile, block), rows);
+        for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+            vd height = d_set1(turned.distance);
+            MLRT_UNROLL
+            for (int k = 0; k < 3; ++k) {
+                height = d_sub(height, d_mul(d_load(rows[k] + lane), d_set1(turned.normal[k])));
+            }
+            d_store(heights + lane, height);
+        }
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) add_to_extremes(v_load(heights + v), &all);
+        if (block != 0 && block != 15) continue; /* after the first block most cells that are not apart are known */
+        const float least = v_hmin(all.least), greatest = -v_hmin(all.negated);
+        turned.least = least - fabsf(least) * SLOPE_SLACK - HULL_FLOOR;
+        turned.greatest = greatest + fabsf(greatest) * SLOPE_SLACK + HULL_FLOOR;
+        if (!is_slab_apart(&turned, of)) return 0;
+    }
+    *slab = turned;
+    return 1;
+}
+
+/*
+ * As find_packets_apart (cover.h), of cells of arrays: returns those of `places` none of whose rays reaches the
+ * triangle `number`, as all end before its plane, or all begin behind it.
+ */
+static MLRT_NOINLINE uint32_t find_cells_apart(const struct mlrt_tree *tree, const struct mlrt_bundle *bundle,
+                                               uint32_t number, uint32_t places, uint32_t at_end, uint32_t backward)
+{
+    struct array_cells *cells = bundle->arrays;
+    struct plane_of_cells of;
+    uint32_t apart = 0;
+    places &= cells->are_parallel ? ~at_end : cells->have_ends ? at_end : 0;
+    if (!places) return 0;
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+    mlrt_set_plane(&triangle, &of.plane);
+    of.distance = of.size = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double to = of.plane.point[k] - (cells->are_parallel ? 0 : (double)cells->from[k]);
+        of.distance += to * of.plane.normal[k];
+        of.size += fabs(to) * of.plane.size[k];
+    }
+    if ((bundle->waist.sign < 0) != cells->are_parallel) backward = ~backward;
+    for (; places; places &= places - 1) {
+        const uint32_t place = mlrt_lowest_bit(places), bit = places & (0u - places);
+        struct cell_slab *slab = &cells->slabs[place];
+        of.sign = backward & bit ? -1 : 1;
+        if (bundle->hulls.closed.skip[place] == number || is_slab_apart(slab, &of) ||
+            turn_slab(cells, place, &of, slab))
+            apart |= bit;
+    }
+    return apart;
+}
+
+#endif
