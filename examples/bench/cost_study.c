@@ -16,7 +16,7 @@ static const struct setting {
     int32_t preset;
     float node, triangle; // 0 = the library's
 } settings_of[SETTING_COUNT] = {
-    {"default", MLRT_TREE_DEFAULT, 0, 0},          {"triangle 0.005", MLRT_TREE_DEFAULT, 0, 0.005f},
+    {"default", MLRT_TREE_DEFAULT, 0, 0},           {"triangle 0.005", MLRT_TREE_DEFAULT, 0, 0.005f},
     {"triangle 0.01", MLRT_TREE_DEFAULT, 0, 0.01f}, {"triangle 0.04", MLRT_TREE_DEFAULT, 0, 0.04f},
     {"triangle 0.08", MLRT_TREE_DEFAULT, 0, 0.08f}, {"node 0.7", MLRT_TREE_DEFAULT, 0.7f, 0},
     {"node 1.5", MLRT_TREE_DEFAULT, 1.5f, 0},       {"best", MLRT_TREE_BEST, 0, 0},
@@ -43,8 +43,8 @@ static int32_t build_elsewhere(const char *path, const mlrt_mesh *mesh, mlrt_tre
     void *bytes = NULL;
     size_t size = 0;
     if (load_library(path, &library)) return MLRT_ERROR_ARGUMENT;
-    int32_t status = library.build_tree && library.save_tree ? library.build_tree(mesh, 1, NULL, &other)
-                                                             : MLRT_ERROR_UNSUPPORTED;
+    int32_t status =
+        library.build_tree && library.save_tree ? library.build_tree(mesh, 1, NULL, &other) : MLRT_ERROR_UNSUPPORTED;
     if (status == MLRT_OK) status = library.save_tree(other, NULL, 0, &size);
     if (status == MLRT_OK) status = (bytes = malloc(size)) ? MLRT_OK : MLRT_ERROR_OUT_OF_MEMORY;
     if (status == MLRT_OK) status = library.save_tree(other, bytes, size, &size);

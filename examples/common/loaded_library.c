@@ -6,10 +6,17 @@
 #include <stdio.h>
 #include <string.h>
 
-const struct library this_library = {
-    NULL,           mlrt_create_pool,  mlrt_destroy_pool, mlrt_build_tree,   mlrt_build_kdtree,
-    mlrt_save_tree, mlrt_destroy_tree, mlrt_trace_ray,    mlrt_trace_packet, mlrt_render_tiles,
-    mlrt_occluded_points};
+const struct library this_library = {NULL,
+                                     mlrt_create_pool,
+                                     mlrt_destroy_pool,
+                                     mlrt_build_tree,
+                                     mlrt_build_kdtree,
+                                     mlrt_save_tree,
+                                     mlrt_destroy_tree,
+                                     mlrt_trace_ray,
+                                     mlrt_trace_packet,
+                                     mlrt_render_tiles,
+                                     mlrt_occluded_points};
 
 // A cast from void * to a function pointer is POSIX's, not C's: copying the bits says the same.
 static int find_function(void *handle, const char *name, void *function)

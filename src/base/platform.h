@@ -63,10 +63,10 @@
  * statement in assembler, which counts as one, keeps them.
  */
 #if defined(__GNUC__)
-#define MLRT_PREFETCH(address, for_writing)       \
-    do {                                          \
-        __asm__ __volatile__("");                 \
-        __builtin_prefetch(address, for_writing); \
+#define MLRT_PREFETCH(address, for_writing)                                                                            \
+    do {                                                                                                               \
+        __asm__ __volatile__("");                                                                                      \
+        __builtin_prefetch(address, for_writing);                                                                      \
     } while (0)
 #else
 #define MLRT_PREFETCH(address, for_writing) ((void)(address))

@@ -97,7 +97,8 @@ MLRT_INLINE struct mlrt_bvh_set finish_set(const struct growing_set *growing, ui
  */
 MLRT_INLINE double set_cost(const struct mlrt_bvh_costs *costs, uint32_t count)
 {
-    return costs->leaf * (float)((count + MLRT_LEAF_TRIANGLES - 1) / MLRT_LEAF_TRIANGLES) + costs->triangle * (float)count;
+    return costs->leaf * (float)((count + MLRT_LEAF_TRIANGLES - 1) / MLRT_LEAF_TRIANGLES) +
+           costs->triangle * (float)count;
 }
 
 #endif

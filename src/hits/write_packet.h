@@ -73,8 +73,8 @@ MLRT_INLINE void write_group_of_row(const struct row_of_packets *row, const stru
                                     const struct mlrt_sink *sink, const struct mlrt_sink_group *group)
 {
     struct mlrt_rectangle block = row->first;
-    const int is_whole = row->count == PACKETS_OF_ROW &&
-                         (row->lanes[0] & row->lanes[1] & row->lanes[2] & row->lanes[3]) == 0xFFFF;
+    const int is_whole =
+        row->count == PACKETS_OF_ROW && (row->lanes[0] & row->lanes[1] & row->lanes[2] & row->lanes[3]) == 0xFFFF;
     if (is_whole && group->image.stride == 4) {
         const unsigned char *first = (const unsigned char *)values + sizeof values->t * group->channel[0];
         v_store_rows((const float *)(const void *)first, sizeof *values / sizeof *values->t,

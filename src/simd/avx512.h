@@ -130,7 +130,8 @@ MLRT_INLINE vf v_floats_at(const unsigned char *p, size_t step, size_t row_step)
 }
 MLRT_INLINE void v_store_rows(const float *first, size_t distance, unsigned char *at, size_t row_stride)
 {
-    const __m512i pairs[2] = {_mm512_setr_epi64(0, 2, 8, 10, 1, 3, 9, 11), _mm512_setr_epi64(4, 6, 12, 14, 5, 7, 13, 15)};
+    const __m512i pairs[2] = {_mm512_setr_epi64(0, 2, 8, 10, 1, 3, 9, 11),
+                              _mm512_setr_epi64(4, 6, 12, 14, 5, 7, 13, 15)};
     __m512d packet[4];
     MLRT_UNROLL
     for (int k = 0; k < 4; ++k) packet[k] = _mm512_castps_pd(_mm512_load_ps(first + k * distance));
