@@ -22,6 +22,8 @@ cell=[TITLE:]   what is in a cell: text, with _ for spaces, and values in braces
 where=A=x|y:T   only rows whose A is x or y, in this order, with titles, if any; where=A!=x: only the others
 several=WHAT    of several rows for one cell the least, median, greatest, sum, (geometric) mean, or `spread`, three columns;
                 mean,least: the mean for the first value of a cell, the least for the others
+join=A:B,C      first, rows that agree in B and C become one, in which column D of the row whose A is x is D@x: so D@x/D@y
+                compares methods, or files
 ratio=x/y       one more column: the first cell's value in column x over that in column y
 label=A|B       heads of the columns of rows=
 
@@ -129,7 +131,7 @@ def word(value):
 class Specification:
     def __init__(self, text):
         self.rows, self.columns, self.cells, self.ratios, self.label = [], [], [], [], None
-        self.wanted, self.unwanted, self.several = {}, [], None
+        self.wanted, self.unwanted, self.several, self.join = {}, [], None, None
         for argument in text.split():
             key, _, value = argument.partition("=")
             if key in ("rows", "columns"):
@@ -147,12 +149,27 @@ class Specification:
                 self.ratios.append(value.split("/"))
             elif key == "several":
                 self.several = value
+            elif key == "join":
+                column, _, keys = value.partition(":")
+                self.join = column, keys.split(",")
             elif key == "label":
                 self.label = [spaced(one) for one in value.split("|")]
             else:
                 raise Mistake(f"{key}= is nothing known")
 
+    def joined(self, rows):
+        if self.join is None:
+            return rows
+        column, keys = self.join
+        found = {}
+        for row in rows:
+            key = tuple(row[one] for one in keys)
+            one = found.setdefault(key, dict(zip(keys, key)))
+            one.update({f"{name}@{word(row[column])}": value for name, value in row.items() if name not in keys})
+        return list(found.values())
+
     def keep(self, rows):
+        rows = self.joined(rows)
         return [row for row in rows if all(word(value_in(row, c)) in values for c, values in self.wanted.items())
                 and all(word(value_in(row, c)) != value for c, value in self.unwanted)]
 
