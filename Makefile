@@ -167,7 +167,7 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 
 # ---- library -------------------------------------------------------------------------------------------------------
 
-# Every object has the same OPTIMIZE; docs/design.md, "Instruction sets", compares -O2 and -O3.
+# Every object has the same OPTIMIZE; docs/tried.md, "Compiler flags", compares -O2 and -O3.
 #
 # The shared library leaves out functions that only tests call (--gc-sections). Assertions, which would abort the
 # caller's program, are in builds with SAN only.

@@ -62,7 +62,7 @@
  * that meet it are traced one by one from there (trace_few_of_bundle, trace/tile.h): at most FEW_RAYS rays through a
  * node, at most FEW_LEAF_RAYS through a leaf that is not set up. MANY_PACKETS of 17: never.
  *
- * Instructions with AVX2 (docs/design.md, "Few rays go one by one"): 24 rays take 3 % more in dragon_x9, no rays of
+ * Instructions with AVX2 (docs/tried.md, "Bundles"): 24 rays take 3 % more in dragon_x9, no rays of
  * leaves 12 %, 2 packets 13 %; 16 packets take 9 to 10 % more in dragon and conference. Sweep, MANY_PACKETS 17:
  * cruiser 0.87, others 0.95 to 1.04. FEW_RAYS 16 or 64: 0.97 to 1.04. FEW_LEAF_RAYS 0: 0.94 to 1.01.
  */
