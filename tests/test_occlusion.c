@@ -669,6 +669,28 @@ static void points_farther_apart_than_a_float(void **state)
     }
 }
 
+/* Squares that begin behind the end of the last row, which is short. Nothing is read there. */
+static void points_in_a_short_last_row(void **state)
+{
+    (void)state;
+    enum { WIDTH = 640, LAST = 16 };
+    struct fixture fixture = boxes();
+    for (size_t rows = 1; rows <= 65; rows += 32) {
+        const size_t count = (rows - 1) * WIDTH + LAST;
+        struct random random = {rows};
+        struct points points = {allocate_guarded(12 * count), allocate_guarded(8 * count), count, WIDTH};
+        for (size_t i = 0; i < count; i++) {
+            draw_point(&random, -4, 4, points.positions + 3 * i);
+            points.skip[2 * i] = points.skip[2 * i + 1] = MLRT_NONE;
+        }
+        const mlrt_light light = light_at(0, 0, 3.5f);
+        check(&fixture, &points, &light);
+        free_guarded(points.positions, 12 * count);
+        free_guarded(points.skip, 8 * count);
+    }
+    free_fixture(&fixture);
+}
+
 /*
  * Before each square of 16x16 points, a chip far smaller than the gaps between points shades one of those at its edge.
  * The hull of the square must have that ray, too.
@@ -750,6 +772,7 @@ int main(void)
         cmocka_unit_test(squares_that_skip_two_triangles),
         cmocka_unit_test(points_between_doubled_walls),
         cmocka_unit_test(points_farther_apart_than_a_float),
+        cmocka_unit_test(points_in_a_short_last_row),
         cmocka_unit_test(a_chip_before_the_edge_of_each_square),
         cmocka_unit_test(the_query_option_is_ignored),
     };
