@@ -814,6 +814,38 @@ static void tile_sizes_out_of_range(void **state)
     assert_trace_options((mlrt_trace_options){.initial_tile_size = 4}, MLRT_OK); // the default minimum fits in
 }
 
+/* Leaves bytes of a value where the next function has its variables. */
+static void fill_stack(int value)
+{
+    volatile unsigned char bytes[8192];
+    for (size_t i = 0; i < sizeof bytes; i++) bytes[i] = (unsigned char)value;
+}
+
+static void one_ray_may_have_the_tiles_of_a_list(void **state)
+{
+    (void)state;
+    const float wall[9] = {0, 0, 5, 1, 0, 5, 0, 1, 5};
+    const mlrt_mesh mesh = {.struct_size = sizeof mesh, .vertices = wall, .vertex_count = 3, .triangle_count = 1};
+    const mlrt_ray ray = {.struct_size = sizeof ray, .direction = {0, 0, 1}};
+    const mlrt_rays list = {
+        .struct_size = sizeof list, .count = 1, .origins = {ray.origin, 0}, .directions = {ray.direction, 0}};
+    for (uint32_t structure = MLRT_STRUCTURE_KDTREE; structure <= MLRT_STRUCTURE_BVH; structure++) {
+        mlrt_tree *tree = build_structure(&mesh, 1, structure);
+        for (uint32_t size = 4; size <= 1024; size *= 2) {
+            uint32_t triangle;
+            mlrt_hit hit = {.struct_size = sizeof hit};
+            const mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {&triangle, 0, 0}};
+            const mlrt_trace_options options = {.struct_size = sizeof options, .minimum_tile_size = size};
+            const int32_t expected = mlrt_trace_packet(tree, &list, &options, &hits);
+            for (int value = 0; value < 256; value += 51) {
+                fill_stack(value);
+                assert_int_equal(mlrt_trace_ray(tree, &ray, &options, &hit), expected);
+            }
+        }
+        mlrt_destroy_tree(tree);
+    }
+}
+
 static void split_factors_out_of_range(void **state)
 {
     (void)state;
@@ -2174,6 +2206,7 @@ int main(void)
         cmocka_unit_test(rows_longer_than_the_list),
         cmocka_unit_test(trace_codes_out_of_range),
         cmocka_unit_test(tile_sizes_out_of_range),
+        cmocka_unit_test(one_ray_may_have_the_tiles_of_a_list),
         cmocka_unit_test(split_factors_out_of_range),
         cmocka_unit_test(counters_of_a_wrong_size),
         cmocka_unit_test(outputs_that_the_query_does_not_write),

@@ -632,6 +632,66 @@ static void points_between_doubled_walls(void **state)
 }
 
 /*
+ * Parallel rays that begin in all corners of a scene as large as floats allow, but one. In that corner a triangle lies
+ * so far behind all of them that the distance is no float; another triangle lies before some.
+ */
+static void points_farther_apart_than_a_float(void **state)
+{
+    (void)state;
+    enum { WIDTH = 16 };
+    const float end = 0x1.fp127f;
+    for (int form = 0; form < 16; form++) {
+        const float size = form & 1 ? -end : end;
+        const float begins[3][3] = {{-size, 0.9f * size, 0.9f * size}, /* of rays along the first axis */
+                                    {size, -0.9f * size, 0.9f * size},
+                                    {size, 0.9f * size, -0.9f * size}};
+        const float behind[3][3] = {
+            {-size, -size, -0.5f * size}, {-size, -0.5f * size, -size}, {-0.5f * size, -size, -size}};
+        const float before[3][3] = {{-0.5f * size, 0.5f * size, 0.5f * size},
+                                    {-0.5f * size, 0.99f * size, 0.9f * size},
+                                    {-0.5f * size, 0.9f * size, 0.99f * size}};
+        const float beside[3][3] = {{size, size, size}, {size, 0.97f * size, size}, {size, size, 0.97f * size}};
+        struct soup soup = {0};
+        for (int i = 0; i < 2; i++) {
+            const float(*corners)[3] = (form >> 1 & 1) == i ? behind : before;
+            const int turned = form >> (2 + i) & 1;
+            soup_add_triangle(&soup, corners[turned], corners[!turned], corners[2]);
+        }
+        soup_add_triangle(&soup, beside[0], beside[1], beside[2]);
+        struct fixture fixture = fixture_of_soup("as large as floats allow", (uint64_t)form, &soup);
+        struct points points = make_points((size_t)WIDTH * WIDTH);
+        points.row_length = WIDTH;
+        for (size_t i = 0; i < points.count; i++) memcpy(points.positions + 3 * i, begins[i % 3], sizeof begins[0]);
+        const mlrt_light light = light_from(form & 1 ? -1 : 1, 0, 0);
+        check(&fixture, &points, &light);
+        free_points(&points);
+        free_fixture(&fixture);
+    }
+}
+
+/* Squares that begin behind the end of the last row, which is short. Nothing is read there. */
+static void points_in_a_short_last_row(void **state)
+{
+    (void)state;
+    enum { WIDTH = 640, LAST = 16 };
+    struct fixture fixture = boxes();
+    for (size_t rows = 1; rows <= 65; rows += 32) {
+        const size_t count = (rows - 1) * WIDTH + LAST;
+        struct random random = {rows};
+        struct points points = {allocate_guarded(12 * count), allocate_guarded(8 * count), count, WIDTH};
+        for (size_t i = 0; i < count; i++) {
+            draw_point(&random, -4, 4, points.positions + 3 * i);
+            points.skip[2 * i] = points.skip[2 * i + 1] = MLRT_NONE;
+        }
+        const mlrt_light light = light_at(0, 0, 3.5f);
+        check(&fixture, &points, &light);
+        free_guarded(points.positions, 12 * count);
+        free_guarded(points.skip, 8 * count);
+    }
+    free_fixture(&fixture);
+}
+
+/*
  * Before each square of 16x16 points, a chip far smaller than the gaps between points shades one of those at its edge.
  * The hull of the square must have that ray, too.
  */
@@ -711,6 +771,8 @@ int main(void)
         cmocka_unit_test(squares_of_points),
         cmocka_unit_test(squares_that_skip_two_triangles),
         cmocka_unit_test(points_between_doubled_walls),
+        cmocka_unit_test(points_farther_apart_than_a_float),
+        cmocka_unit_test(points_in_a_short_last_row),
         cmocka_unit_test(a_chip_before_the_edge_of_each_square),
         cmocka_unit_test(the_query_option_is_ignored),
     };

@@ -476,11 +476,56 @@ static void meshes_and_cameras_need_elements(void **state)
     assert_int_equal(mlrt_camera_rays(&camera, NULL, &vectors), MLRT_ERROR_ARGUMENT);
 }
 
+/*
+ * Packets whose rays all start at one point a few floats before or behind a triangle: those that start where the first
+ * one does, and others between them, all in one bundle.
+ */
+static void origins_near_a_plane(void **state)
+{
+    (void)state;
+    enum { ORIGIN_COUNT = 12, EACH = 16 };
+    const float direction[3] = {1, -1, 3};
+    for (uint64_t seed = 1; seed <= scaled(100); seed++) {
+        struct random random = {seed};
+        struct soup soup = {0};
+        float corners[3][3] = {{96, 256, -256}, {98, 259, -257}, {95, 258, -256}}, origins[ORIGIN_COUNT][3];
+        const float other = ldexpf(1, (int)draw_below(&random, 7) - 20);
+        for (int i = 0; i < 9; i++) corners[i / 3][i % 3] += draw_range(&random, 0, 1) * other;
+        soup_add_triangle(&soup, corners[0], corners[1], corners[2]);
+        struct fixture fixture = fixture_of_soup("origins near a plane", seed, &soup);
+        for (uint32_t i = 0; i < ORIGIN_COUNT; i++) {
+            const int steps = i == 0 || draw_below(&random, 2) ? 2 : (int)draw_below(&random, 13) - 6;
+            for (int k = 0; k < 3; k++) origins[i][k] = (corners[0][k] + corners[1][k] + corners[2][k]) * (1.0f / 3);
+            origins[i][1] = next_float(origins[i][1], steps * (seed % 2 ? 1 : -1));
+        }
+        mlrt_rays rays = {.struct_size = sizeof rays,
+                          .count = (size_t)ORIGIN_COUNT * EACH,
+                          .rays_per_origin = EACH,
+                          .origins = {origins, 0},
+                          .directions = {direction, MLRT_STRIDE_ALL}};
+        uint8_t expected[ORIGIN_COUNT * EACH], got[ORIGIN_COUNT * EACH];
+        mlrt_hits hits = {.struct_size = sizeof hits, .occluded = {expected, 0, 0}};
+        mlrt_trace_options options = {.struct_size = sizeof options, .query = MLRT_QUERY_ANY};
+        options.method = MLRT_METHOD_RAY;
+        assert_int_equal(mlrt_trace_packet(fixture.tree, &rays, &options, &hits), MLRT_OK);
+        hits.occluded.data = got;
+        options.method = MLRT_METHOD_TILE;
+        for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
+            options.isa = isa;
+            if (!isa_is_supported(isa)) continue;
+            assert_int_equal(mlrt_trace_packet(fixture.tree, &rays, &options, &hits), MLRT_OK);
+            assert_memory_equal(expected, got, sizeof got);
+        }
+        free_fixture(&fixture);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_element_for_all_rays),
         cmocka_unit_test(several_rays_of_one_origin),
+        cmocka_unit_test(origins_near_a_plane),
         cmocka_unit_test(each_array_alone),
         cmocka_unit_test(points_that_share_elements),
         cmocka_unit_test(groups_must_divide_the_count),

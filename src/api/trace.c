@@ -132,8 +132,10 @@ static float resolve_t_max(const mlrt_ray *ray)
 static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_trace_options *options,
                                            struct mlrt_lone_ray *lone, mlrt_hit *hit)
 {
+    const mlrt_rays list = {.struct_size = sizeof list, .count = 1}; /* options are checked as those of a list of one */
     struct mlrt_call call;
     struct mlrt_job job;
+    mlrt_make_ray_source(tree, &list, &job.source);
     int32_t status = mlrt_take_options(options, &call);
     if (status == MLRT_OK) status = resolve_options(tree, call.options, &job);
     if (status != MLRT_OK) return status;

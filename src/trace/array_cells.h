@@ -114,7 +114,14 @@ static enum array_kind set_array_cell(struct array_cells *cells, const struct ar
     return fits ? HAS_HULL : IS_MIXED;
 }
 
-/* Makes a cell of a tile of 16x16 rays. */
+/* Does a tile have 16x16 rays? The last row of a list may be short. */
+MLRT_INLINE int is_whole_tile(const struct mlrt_source *source, const struct mlrt_rectangle *tile)
+{
+    const uint64_t last = ((uint64_t)tile->y + 15) * source->width + tile->x + 15;
+    return tile->width == 16 && tile->height == 16 && last < source->count;
+}
+
+/* Makes a cell of a whole tile. */
 static enum array_kind add_array_cell(struct array_cells *cells, const struct mlrt_rectangle *tile,
                                       struct known_mesh *known, uint32_t place, struct mlrt_bundle *bundle)
 {
@@ -128,7 +135,6 @@ static enum array_kind add_array_cell(struct array_cells *cells, const struct ml
     enum array_kind kind = HAS_HULL;
     int skips_one = 0;
     uint32_t pair[2];
-    if (tile->width + tile->height < 32 || element + 15 * (size_t)source->width + 16 > source->count) return IS_MIXED;
     if (skip->data && corners_skip_one(skip, element, source->width)) {
         memcpy(pair, skip->data + element * skip->stride, sizeof pair);
         skips_one = 1;
@@ -210,6 +216,7 @@ static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rect
         const struct mlrt_rectangle tile = tile_of_cell(area, place);
         const size_t first = (size_t)tile.y * source->width + tile.x;
         if (16 * (place % 4) >= area->width || 16 * (place / 4) >= area->height) continue;
+        if (!is_whole_tile(source, &tile)) continue;
         if (!there && !cells->are_parallel &&
             !begin_apex_cells(source, first, bundle->scene.unit, cells, &bundle->waist))
             return 0;

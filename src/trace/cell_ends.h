@@ -148,13 +148,13 @@ MLRT_INLINE void set_box(const struct extremes from_axis[3], int axis, struct ce
 
 /*
  * Turns the slab of a cell so that it is parallel to a plane, if the cell is apart from that plane. Returns 0 if it is
- * not.
+ * not. The components of the slab's normal sum to 1/4: so heights do not overflow (L21).
  */
 static int turn_slab(const struct array_cells *cells, uint32_t place, const struct plane_of_cells *of,
                      struct cell_slab *slab)
 {
     const struct mlrt_rectangle tile = tile_of_cell(&cells->area, place);
-    const double *n = of->plane.normal, scale = 1 / (fabs(n[0]) + fabs(n[1]) + fabs(n[2]));
+    const double *n = of->plane.normal, scale = 0.25 / (fabs(n[0]) + fabs(n[1]) + fabs(n[2]));
     MLRT_ALIGNED(64) float rows[3][MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float heights[MLRT_PACKET_RAYS];
     struct extremes all = NO_EXTREMES;

@@ -882,17 +882,18 @@ struct sides_of_plane {
 
 /*
  * Finds the sides of a plane by the sign of N - t D in double. `sign` is that of D. With t NULL, t is 0. If the packet
- * has an apex, *n must be N of the apex.
+ * has an apex, *of_apex must be N of the apex.
  */
 MLRT_INLINE struct sides_of_plane find_sides_of_plane(const struct mlrt_plane *plane, const struct mlrt_packet *packet,
-                                                      const float *t, double sign, struct measured_lanes *n)
+                                                      const float *t, double sign, const struct measured_lanes *of_apex)
 {
     const vd error = d_set1(CLOSE_ERROR), signs = d_set1(sign);
     struct sides_of_plane sides = {0, 0};
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
-        if (!packet->has.apex) measure_n(plane, packet, lane, n);
-        struct measured_lanes height = *n;
-        if (t) measure_end(plane, packet, t, lane, n, &height);
+        struct measured_lanes n = *of_apex;
+        if (!packet->has.apex) measure_n(plane, packet, lane, &n);
+        struct measured_lanes height = n;
+        if (t) measure_end(plane, packet, t, lane, &n, &height);
         const vd value = d_flip(height.value, signs), bound = d_mul(height.size, error);
         sides.before |= d_gt(value, bound) << lane;
         sides.behind |= d_gt(d_sub(d_set1(0), value), bound) << lane;
