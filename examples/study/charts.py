@@ -142,6 +142,9 @@ SUMMARY = [
 ]
 
 
+LABEL_HEIGHT = 1.13  # on the logarithmic axis of the summary
+
+
 def draw_summary(rows, path):
     """Speed of a picture's rays against wrong answers to rays aimed at edges, one panel."""
     def rows_of(generator, members):
@@ -157,6 +160,7 @@ def draw_summary(rows, path):
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.grid(True, which="major", color="#dddddd", linewidth=0.6)
     axes.set_axisbelow(True)
+    labels = []
     for title, members, colour, mark, size in SUMMARY:
         pictures, edges = rows_of("camera", members), rows_of("edge", members)
         if not pictures or not edges:
@@ -164,8 +168,13 @@ def draw_summary(rows, path):
         x = axis.place(max(float(r["wrong_per_million"]) for r in edges))
         y = max(float(r["mrays"]) for r in pictures)
         axes.plot(x, y, mark, color=colour, markersize=size, zorder=3)
+        labels.append((y, x, title, colour))
+    lowest_free = {True: 0, False: 0}  # on each side of the chart, from the bottom up: labels do not overlap
+    for y, x, title, colour in sorted(labels):
         right = x < 3
-        axes.annotate(title, (x, y), xytext=(14 if right else -12, 0), textcoords="offset points", fontsize=10.5,
+        height = max(y, lowest_free[right])
+        lowest_free[right] = height * LABEL_HEIGHT
+        axes.annotate(title, (x, height), xytext=(14 if right else -12, 0), textcoords="offset points", fontsize=10.5,
                       ha="left" if right else "right", va="center", color=colour)
     low, high = axes.get_ylim()
     axes.set_ylim(low / 1.3, high * 1.3)
