@@ -44,7 +44,7 @@ static int corners_skip_one(const struct mlrt_array_layout *skip, size_t element
 }
 
 /* Extends `of` by the rays of a block. A hull needs slopes and places of all rays that are finite, and no NaN. */
-static MLRT_NOINLINE enum array_kind add_block(const struct array_cells *cells, size_t element,
+static MLRT_NOINLINE enum array_kind add_block(const struct mlrt_array_cells *cells, size_t element,
                                                const struct mlrt_waist *waist, struct array_extremes *of)
 {
     MLRT_ALIGNED(64) float rows[3][MLRT_PACKET_RAYS];
@@ -91,7 +91,7 @@ static MLRT_NOINLINE enum array_kind add_block(const struct array_cells *cells, 
 }
 
 /* Sets the hull of a tile. Returns IS_MIXED if float does not carry its rays. */
-static enum array_kind set_array_cell(struct array_cells *cells, const struct array_extremes *of, uint32_t place,
+static enum array_kind set_array_cell(struct mlrt_array_cells *cells, const struct array_extremes *of, uint32_t place,
                                       struct mlrt_bundle *bundle)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
@@ -122,7 +122,7 @@ MLRT_INLINE int is_whole_tile(const struct mlrt_source *source, const struct mlr
 }
 
 /* Makes a cell of a whole tile. */
-static enum array_kind add_array_cell(struct array_cells *cells, const struct mlrt_rectangle *tile,
+static enum array_kind add_array_cell(struct mlrt_array_cells *cells, const struct mlrt_rectangle *tile,
                                       struct known_mesh *known, uint32_t place, struct mlrt_bundle *bundle)
 {
     const struct mlrt_source *source = cells->reader.source;
@@ -155,7 +155,7 @@ static enum array_kind add_array_cell(struct array_cells *cells, const struct ml
 }
 
 /* Begins cells of parallel rays. Returns 0 if float does not carry them. */
-static int begin_parallel_cells(const struct mlrt_bvh *bvh, struct array_cells *cells, struct mlrt_waist *waist)
+static int begin_parallel_cells(const struct mlrt_bvh *bvh, struct mlrt_array_cells *cells, struct mlrt_waist *waist)
 {
     const float *direction = (const float *)(const void *)cells->reader.directions.data;
     mlrt_set_main_axis(direction, waist);
@@ -177,7 +177,7 @@ static int begin_parallel_cells(const struct mlrt_bvh *bvh, struct array_cells *
 }
 
 /* Begins cells of rays from one point. `first` is the element of one ray, which gives the main axis. */
-static int begin_apex_cells(const struct mlrt_source *source, size_t first, float unit, struct array_cells *cells,
+static int begin_apex_cells(const struct mlrt_source *source, size_t first, float unit, struct mlrt_array_cells *cells,
                             struct mlrt_waist *waist)
 {
     const int is_light = source->kind == MLRT_SOURCE_POINT_LIGHT;
@@ -193,8 +193,8 @@ static int begin_apex_cells(const struct mlrt_source *source, size_t first, floa
 }
 
 /* Makes a bundle of the tiles of any-hit rays in `area`, which refers to *cells. Returns 0 if there is none. */
-static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, struct array_cells *cells,
-                              struct mlrt_bundle *bundle)
+static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area,
+                              struct mlrt_array_cells *cells, struct mlrt_bundle *bundle)
 {
     struct known_mesh known = NO_MESH;
     const struct mlrt_source *source = &job->source;

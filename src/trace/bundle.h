@@ -132,7 +132,7 @@ struct mlrt_reciprocals {
 
 struct mlrt_bundle_cache;
 struct mlrt_ray_tile;
-struct array_cells;
+struct mlrt_array_cells;
 
 /* What the rays of a bundle have. */
 struct mlrt_bundle_traits {
@@ -179,7 +179,7 @@ struct mlrt_bundle {
     struct mlrt_bundle_state state;
     struct mlrt_bundle_cache *cache;
     struct mlrt_ray_tile *tile; /* which has the packets; NULL: they stand for tiles */
-    struct array_cells *arrays; /* of cells without rays: where to read them (cell_ends.h); NULL: from nowhere */
+    struct mlrt_array_cells *arrays; /* of cells without rays: where to read them (cells.h); NULL: from nowhere */
 };
 
 /* Which triangles of a leaf are set up, and how. */

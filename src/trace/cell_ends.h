@@ -19,37 +19,11 @@
 #include "rays/slope_limits.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
+#include "trace/cells.h"
 #include "trace/leaf.h"
 #include "trace/plane_order.h"
 
 #define SLAB_ERROR 0x1p-46 /* L21 */
-
-/*
- * A slab, and a box, in which the points e of all rays of a cell lie: d of rays to a light, o of parallel rays.
- * `distance` - normal . e lies between `least` and `greatest`.
- */
-struct cell_slab {
-    double normal[3];
-    double distance;
-    float least;
-    float greatest;
-    float lo[3];
-    float hi[3];
-};
-
-/* What all rays of a square have in common. */
-struct array_cells {
-    struct mlrt_array_reader reader;
-    struct mlrt_rectangle area;
-    const struct mlrt_array_layout *vectors; /* directions, or origins of parallel rays; `from` is subtracted */
-    const float *from;                       /* the waist, not in units; NULL: 0 */
-    float middle[3];                         /* the waist of parallel rays */
-    int are_parallel;
-    int have_ends;  /* they end at t = 1 */
-    float slope[2]; /* of parallel rays */
-    float unit;     /* of the bundle */
-    struct cell_slab slabs[MLRT_BUNDLE_PACKETS];
-};
 
 /* The tile of a square that a cell stands for. */
 MLRT_INLINE struct mlrt_rectangle tile_of_cell(const struct mlrt_rectangle *area, uint32_t place)
@@ -58,13 +32,13 @@ MLRT_INLINE struct mlrt_rectangle tile_of_cell(const struct mlrt_rectangle *area
 }
 
 /* The first element of a block of a tile whose rays are whole rows of sixteen. */
-MLRT_INLINE size_t element_of_block(const struct array_cells *cells, const struct mlrt_rectangle *tile, uint32_t block)
+MLRT_INLINE size_t element_of_block(const struct mlrt_array_cells *cells, const struct mlrt_rectangle *tile, uint32_t block)
 {
     return ((size_t)tile->y + (block & ~3u)) * cells->reader.source->width + tile->x + 4 * (block & 3);
 }
 
 /* Reads the directions of a block, or the origins of parallel rays. */
-MLRT_INLINE void read_points(const struct array_cells *cells, size_t element, float (*rows)[MLRT_PACKET_RAYS])
+MLRT_INLINE void read_points(const struct mlrt_array_cells *cells, size_t element, float (*rows)[MLRT_PACKET_RAYS])
 {
     const struct mlrt_array_layout *vectors = cells->vectors;
     read_vectors(vectors, vectors->data + element * vectors->stride, cells->are_parallel ? NULL : cells->from, rows,
@@ -85,7 +59,7 @@ MLRT_INLINE uint32_t lanes_with_pair(const struct mlrt_array_layout *skip, size_
 }
 
 /* Sets `pair` to the mesh and triangle by which rays skip the triangle `number`. Returns 0 if no ray can. */
-static int pair_of_number(const struct array_cells *cells, uint32_t number, uint32_t pair[2])
+static int pair_of_number(const struct mlrt_array_cells *cells, uint32_t number, uint32_t pair[2])
 {
     const struct mlrt_tree *tree = cells->reader.source->tree;
     if (!cells->reader.skip.data) return 0;
@@ -96,7 +70,7 @@ static int pair_of_number(const struct array_cells *cells, uint32_t number, uint
 }
 
 /* Does a ray of a cell skip the triangle `number`? */
-static MLRT_NOINLINE int cell_skips(const struct array_cells *cells, uint32_t place, uint32_t number)
+static MLRT_NOINLINE int cell_skips(const struct mlrt_array_cells *cells, uint32_t place, uint32_t number)
 {
     const struct mlrt_rectangle tile = tile_of_cell(&cells->area, place);
     uint32_t pair[2];
@@ -116,7 +90,7 @@ struct plane_of_cells {
 };
 
 /* Is a slab on the side of a plane where rays do not reach it? */
-static int is_slab_apart(const struct cell_slab *slab, const struct plane_of_cells *of)
+static int is_slab_apart(const struct mlrt_cell_slab *slab, const struct plane_of_cells *of)
 {
     const double *n = of->plane.normal, *m = slab->normal;
     const double share = (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) / (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
@@ -133,7 +107,7 @@ static int is_slab_apart(const struct cell_slab *slab, const struct plane_of_cel
 }
 
 /* Sets the slab of a cell to its box, whose extremes are given from an axis on. */
-MLRT_INLINE void set_box(const struct extremes from_axis[3], int axis, struct cell_slab *slab)
+MLRT_INLINE void set_box(const struct extremes from_axis[3], int axis, struct mlrt_cell_slab *slab)
 {
     for (int k = 0; k < 3; ++k) {
         const struct extremes *of = &from_axis[(k + 3 - axis) % 3];
@@ -150,15 +124,15 @@ MLRT_INLINE void set_box(const struct extremes from_axis[3], int axis, struct ce
  * Turns the slab of a cell so that it is parallel to a plane, if the cell is apart from that plane. Returns 0 if it is
  * not. The components of the slab's normal sum to 1/4: so heights do not overflow (L21).
  */
-static int turn_slab(const struct array_cells *cells, uint32_t place, const struct plane_of_cells *of,
-                     struct cell_slab *slab)
+static int turn_slab(const struct mlrt_array_cells *cells, uint32_t place, const struct plane_of_cells *of,
+                     struct mlrt_cell_slab *slab)
 {
     const struct mlrt_rectangle tile = tile_of_cell(&cells->area, place);
     const double *n = of->plane.normal, scale = 0.25 / (fabs(n[0]) + fabs(n[1]) + fabs(n[2]));
     MLRT_ALIGNED(64) float rows[3][MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float heights[MLRT_PACKET_RAYS];
     struct extremes all = NO_EXTREMES;
-    struct cell_slab turned = *slab;
+    struct mlrt_cell_slab turned = *slab;
     for (int k = 0; k < 3; ++k) turned.normal[k] = n[k] * scale;
     turned.distance = of->distance * scale;
     for (uint32_t block = 0; block < 16; ++block) {
@@ -189,7 +163,7 @@ static int turn_slab(const struct array_cells *cells, uint32_t place, const stru
 static MLRT_NOINLINE uint32_t find_cells_apart(const struct mlrt_tree *tree, const struct mlrt_bundle *bundle,
                                                uint32_t number, uint32_t places, uint32_t at_end, uint32_t backward)
 {
-    struct array_cells *cells = bundle->arrays;
+    struct mlrt_array_cells *cells = bundle->arrays;
     struct plane_of_cells of;
     uint32_t apart = 0;
     places &= cells->are_parallel ? ~at_end : cells->have_ends ? at_end : 0;
@@ -205,7 +179,7 @@ static MLRT_NOINLINE uint32_t find_cells_apart(const struct mlrt_tree *tree, con
     if ((bundle->waist.sign < 0) != cells->are_parallel) backward = ~backward;
     for (; places; places &= places - 1) {
         const uint32_t place = mlrt_lowest_bit(places), bit = places & (0u - places);
-        struct cell_slab *slab = &cells->slabs[place];
+        struct mlrt_cell_slab *slab = &cells->slabs[place];
         of.sign = backward & bit ? -1 : 1;
         if (bundle->hulls.closed.skip[place] == number || is_slab_apart(slab, &of) ||
             turn_slab(cells, place, &of, slab))

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cells without rays, of cameras and of points: the steps that need no vectors.
+ * Cells without rays, of cameras, points and arrays: what they are, and the steps that need no vectors.
  */
 #ifndef MLRT_TRACE_CELLS_H
 #define MLRT_TRACE_CELLS_H
 
+#include "rays/array_layout.h"
 #include "rays/rectangle.h"
 #include "trace/bundle.h"
 #include "trace/ray_tile.h"
@@ -27,5 +28,32 @@ struct mlrt_camera_samples {
  */
 int mlrt_sample_camera_cells(const struct mlrt_view *view, float unit, const struct mlrt_rectangle *area, uint32_t side,
                              struct mlrt_waist *waist, struct mlrt_camera_samples *of);
+
+/*
+ * A slab, and a box, in which the points e of all rays of a cell lie: d of rays to a light, o of parallel rays.
+ * `distance` - normal . e lies between `least` and `greatest`.
+ */
+struct mlrt_cell_slab {
+    double normal[3];
+    double distance;
+    float least;
+    float greatest;
+    float lo[3];
+    float hi[3];
+};
+
+/* What all rays of a square have in common. */
+struct mlrt_array_cells {
+    struct mlrt_array_reader reader;
+    struct mlrt_rectangle area;
+    const struct mlrt_array_layout *vectors; /* directions, or origins of parallel rays; `from` is subtracted */
+    const float *from;                       /* the waist, not in units; NULL: 0 */
+    float middle[3];                         /* the waist of parallel rays */
+    int are_parallel;
+    int have_ends;  /* they end at t = 1 */
+    float slope[2]; /* of parallel rays */
+    float unit;     /* of the bundle */
+    struct mlrt_cell_slab slabs[MLRT_BUNDLE_PACKETS];
+};
 
 #endif

@@ -25,7 +25,7 @@
  * tiles of arrays with one origin or one direction (array_cells.h). Returns 0 if that is not possible.
  */
 static int gather_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
-                        struct array_cells *arrays, struct mlrt_bundle *bundle)
+                        struct mlrt_array_cells *arrays, struct mlrt_bundle *bundle)
 {
     if (mlrt_is_pinhole(&job->source)) return gather_camera_cells(job, area, side, bundle);
     if (arrays && job->source.kind != MLRT_SOURCE_CAMERA) return gather_array_cells(job, area, arrays, bundle);
@@ -155,7 +155,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
 static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area)
 {
     struct mlrt_bundle bundle;
-    struct array_cells arrays;
+    struct mlrt_array_cells arrays;
     bundle.tile = NULL;
     bundle.state.closed = 0;
     if (worker->bundles->open_squares) {
