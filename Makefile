@@ -32,7 +32,7 @@
 #   make data            and those of tables: data-reproduction (the paper), data-price (exactness), data-depth
 #                        (kd-trees), data-python (the Python package: needs deps-python)
 #   make sweep           compares the choices that tiles make with fixed ones, on the same scenes: docs/data/sweep.csv
-#   make measure-costs   compares trees by other settings of the builder, and says which is the fastest: docs/data/costs.csv
+#                        measure-costs compares trees by other settings of the builder, and says which is the fastest
 #   make tables          writes the tables of README.md, docs/ and bindings/ from docs/data
 #   make deps-study      installs what these need besides: Embree 3 to compare with, matplotlib to draw
 #   make docs            a page for each function, and the rest of docs/, in build/docs/html; make deps-docs installs
