@@ -115,7 +115,9 @@ MLRT_INLINE void v_triples(const unsigned char *p, size_t row_step, vf by_axis[3
     const __m512i z = _mm512_setr_epi32(2, 5, 18, 21, 8, 11, 24, 27, 2, 5, 18, 21, 8, 11, 24, 27);
     __m512 row[4];
     MLRT_UNROLL
-    for (int i = 0; i < 4; ++i) row[i] = _mm512_maskz_loadu_ps(0xFFF, p + (size_t)i * row_step);
+    for (int i = 0; i < 4; ++i, p += row_step) {
+        row[i] = _mm512_insertf32x4(_mm512_castps256_ps512(_mm256_loadu_ps((const void *)p)), quad_at(p + 32), 2);
+    }
     const __m512 above = _mm512_permutex2var_ps(row[0], xy, row[1]), below = _mm512_permutex2var_ps(row[2], xy, row[3]);
     by_axis[0] = _mm512_shuffle_f32x4(above, below, 0x44);
     by_axis[1] = _mm512_shuffle_f32x4(above, below, 0xEE);
@@ -128,6 +130,11 @@ MLRT_INLINE vf v_floats_at(const unsigned char *p, size_t step, size_t row_step)
     return join_quads(square_at(p, step, row_step), square_at(p + 2 * step, step, row_step),
                       square_at(below, step, row_step), square_at(below + 2 * step, step, row_step));
 }
+MLRT_INLINE void store_halves(unsigned char *at, __m512d a)
+{
+    _mm256_storeu_pd((void *)at, _mm512_castpd512_pd256(a));
+    _mm256_storeu_pd((void *)(at + 32), _mm512_extractf64x4_pd(a, 1));
+}
 MLRT_INLINE void v_store_rows(const float *first, size_t distance, unsigned char *at, size_t row_stride)
 {
     const __m512i pairs[2] = {_mm512_setr_epi64(0, 2, 8, 10, 1, 3, 9, 11),
@@ -139,8 +146,8 @@ MLRT_INLINE void v_store_rows(const float *first, size_t distance, unsigned char
     for (int i = 0; i < 2; ++i, at += 2 * row_stride) { /* two rows, one in each half */
         const __m512d left = _mm512_permutex2var_pd(packet[0], pairs[i], packet[1]);
         const __m512d right = _mm512_permutex2var_pd(packet[2], pairs[i], packet[3]);
-        _mm512_storeu_pd(at, _mm512_shuffle_f64x2(left, right, 0x44));
-        _mm512_storeu_pd(at + row_stride, _mm512_shuffle_f64x2(left, right, 0xEE));
+        store_halves(at, _mm512_shuffle_f64x2(left, right, 0x44));
+        store_halves(at + row_stride, _mm512_shuffle_f64x2(left, right, 0xEE));
     }
 }
 MLRT_INLINE void i_pairs_at(const unsigned char *p, size_t step, size_t row_step, vi *firsts, vi *seconds)
