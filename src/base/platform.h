@@ -60,28 +60,22 @@
 
 /*
  * To gcc a prefetch has no effect: a function that does nothing else is pure, and calls of it are dropped. An empty
- * statement in assembler, which counts as one, keeps them.
+ * statement in assembler, which counts as one, keeps them. `level` is 3 for the first-level cache, 2 for the second.
  */
 #if defined(__GNUC__)
-#define MLRT_PREFETCH(address, for_writing)                                                                            \
+#define MLRT_PREFETCH(address, for_writing, level)                                                                     \
     do {                                                                                                               \
         __asm__ __volatile__("");                                                                                      \
-        __builtin_prefetch(address, for_writing);                                                                      \
+        __builtin_prefetch(address, for_writing, level);                                                               \
     } while (0)
 #else
-#define MLRT_PREFETCH(address, for_writing) ((void)(address))
+#define MLRT_PREFETCH(address, for_writing, level) ((void)(address))
 #endif
 
 /* Prefetches the cache line at `address`, to be read soon. */
 MLRT_INLINE void mlrt_prefetch(const void *address)
 {
-    MLRT_PREFETCH(address, 0);
-}
-
-/* Prefetches the cache line at `address`, to be written soon. */
-MLRT_INLINE void mlrt_prefetch_for_writing(const void *address)
-{
-    MLRT_PREFETCH(address, 1);
+    MLRT_PREFETCH(address, 0, 3);
 }
 
 /* How many bits are set. */

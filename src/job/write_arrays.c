@@ -381,22 +381,16 @@ void mlrt_write_shadows(const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes,
 
 /* ---- rectangles ---- */
 
-static void prefetch_image(const struct mlrt_sink *sink, const struct mlrt_image *image,
-                           const struct mlrt_rectangle *row)
-{
-    const size_t size = row->width * image->stride;
-    if (!image->data) return;
-    const unsigned char *first = mlrt_find_corner(sink, image, row);
-    for (size_t i = 0; i < size; i += 64) mlrt_prefetch_for_writing(first + i);
-    mlrt_prefetch_for_writing(first + size - 1);
-}
-
-void mlrt_prefetch_sink(const struct mlrt_sink *sink, uint32_t x, uint32_t y, uint32_t width)
+void mlrt_add_sink_rows(const struct mlrt_sink *sink, uint32_t x, uint32_t y, uint32_t width,
+                        struct mlrt_rows_ahead *rows)
 {
     const struct mlrt_rectangle row = {x, y, width, 1};
-    for (const struct mlrt_sink_group *group = sink->groups; group < sink->groups + sink->group_count; ++group)
-        if (!group->is_same_struct) prefetch_image(sink, &group->image, &row);
-    prefetch_image(sink, &sink->channel[MLRT_CHANNEL_OCCLUDED], &row);
+    for (uint32_t i = 0; i <= sink->group_count; ++i) {
+        const int is_group = i < sink->group_count;
+        const struct mlrt_image *image = is_group ? &sink->groups[i].image : &sink->channel[MLRT_CHANNEL_OCCLUDED];
+        if (!image->data || (is_group && sink->groups[i].is_same_struct)) continue;
+        mlrt_add_rows_ahead(mlrt_find_corner(sink, image, &row), width * image->stride, image->row_stride, 1, rows);
+    }
 }
 
 /* Writes one word to rows of 4 * quads packed elements. */

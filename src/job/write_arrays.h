@@ -3,6 +3,7 @@
 #ifndef MLRT_JOB_WRITE_ARRAYS_H
 #define MLRT_JOB_WRITE_ARRAYS_H
 
+#include "base/rows_ahead.h"
 #include "exact/predicate.h"
 #include "rays/packet.h"
 #include "rays/rectangle.h"
@@ -101,8 +102,9 @@ void mlrt_add_shadow(uint8_t shadows[MLRT_PACKET_RAYS], uint32_t dark, uint8_t b
 void mlrt_write_shadows(const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes, const struct mlrt_rectangle *block,
                         const struct mlrt_sink *sink);
 
-/* Prefetches `width` elements of a row of the picture for writing. */
-void mlrt_prefetch_sink(const struct mlrt_sink *sink, uint32_t x, uint32_t y, uint32_t width);
+/* Adds rows of `width` elements, from (x, y) of the picture on. */
+void mlrt_add_sink_rows(const struct mlrt_sink *sink, uint32_t x, uint32_t y, uint32_t width,
+                        struct mlrt_rows_ahead *rows);
 
 /* Writes misses to a rectangle. */
 void mlrt_write_misses(const struct mlrt_rectangle *area, const struct mlrt_sink *sink);

@@ -388,20 +388,17 @@ uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32
 
 /* ---- prefetching ---- */
 
-/* Prefetches `width` elements from `first` on. */
-MLRT_INLINE void prefetch_elements(const mlrt_const_array *array, size_t first, uint32_t width)
+void mlrt_begin_source_rows(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_rows_ahead *rows)
 {
-    const char *row = (const char *)array->data + first * array->stride;
-    const size_t size = width * array->stride;
-    for (size_t i = 0; i < size; i += 64) mlrt_prefetch(row + i);
-    mlrt_prefetch(row + size - 1);
-}
-
-void mlrt_prefetch_row(const struct mlrt_source *source, uint32_t x, uint32_t y)
-{
+    rows->height = rows->count = 0;
     if (x >= source->width || y >= source->height) return;
+    rows->height = source->height - y;
     const uint32_t width = source->width - x < 16 ? source->width - x : 16;
     const size_t first = (size_t)y * source->width + x;
-    for (uint32_t i = 0; i < source->arrays.stream_count; ++i)
-        prefetch_elements(&source->arrays.streams[i], first, width);
+    for (uint32_t i = 0; i < source->arrays.stream_count; ++i) {
+        const mlrt_const_array *array = &source->arrays.streams[i];
+        const size_t stride = array->stride;
+        mlrt_add_rows_ahead((const char *)array->data + first * stride, width * stride, source->width * stride, 0,
+                            rows);
+    }
 }

@@ -9,6 +9,7 @@
 #ifndef MLRT_RAYS_SOURCE_H
 #define MLRT_RAYS_SOURCE_H
 
+#include "base/rows_ahead.h"
 #include "exact/predicate.h"
 #include "rays/camera.h"
 #include "rays/lone_ray.h"
@@ -130,7 +131,10 @@ void mlrt_fetch_masks(const struct mlrt_source *source, uint32_t x, uint32_t y, 
 /* Of the lanes of a block at (x, y), those whose rays are not past the end of a list. */
 uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes);
 
-/* Prefetches up to 16 rays of a row, from (x, y) on, out of the arrays that have an element for each ray. */
-void mlrt_prefetch_row(const struct mlrt_source *source, uint32_t x, uint32_t y);
+/*
+ * Begins with rows of up to 16 rays, from (x, y) on, of the arrays that have an element for each ray. Without rays at
+ * (x, y) there are none.
+ */
+void mlrt_begin_source_rows(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_rows_ahead *rows);
 
 #endif

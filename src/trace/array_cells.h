@@ -139,9 +139,11 @@ static enum array_kind add_array_cell(struct mlrt_array_cells *cells, const stru
         memcpy(pair, skip->data + element * skip->stride, sizeof pair);
         skips_one = 1;
     }
+    struct mlrt_rows_ahead rows;
+    mlrt_begin_source_rows(source, tile->x + 16, tile->y, &rows);
     for (uint32_t block = 0; block < 16; ++block) {
         const size_t first = element_of_block(cells, tile, block);
-        mlrt_prefetch_row(source, tile->x + 16, tile->y + block);
+        mlrt_prefetch_rows(&rows, block);
         if (skips_one) skips_one = lanes_with_pair(skip, first, pair) == 0xFFFF;
         const enum array_kind kind_of_block = add_block(cells, first, &bundle->waist, &of);
         if (kind_of_block == IS_MIXED || (block && kind_of_block != kind)) return IS_MIXED;

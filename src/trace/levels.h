@@ -92,32 +92,37 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
     bundle->state.closed = 0;
 }
 
-/* Prefetches what a row of a tile needs: its rays, and the elements of the caller's arrays for their results. */
-MLRT_INLINE void prefetch_row_of_tile(const struct mlrt_job *job, uint32_t x, uint32_t y)
+/*
+ * Begins with the rows of a tile at (x, y): those of its rays, and of the caller's arrays for their results. A list has
+ * none, as it is read in order.
+ */
+static void begin_rows_ahead(const struct mlrt_job *job, uint32_t x, uint32_t y, struct mlrt_rows_ahead *rows)
 {
-    const struct mlrt_source *source = &job->source;
-    if (x >= source->width || y >= source->height) return;
-    mlrt_prefetch_row(source, x, y);
-    mlrt_prefetch_sink(&job->frame, x, y, source->width - x < 16 ? source->width - x : 16);
+    const uint32_t width = job->source.width;
+    rows->height = 0;
+    if (is_list(&job->source)) return;
+    mlrt_begin_source_rows(&job->source, x, y, rows);
+    if (rows->height) mlrt_add_sink_rows(&job->frame, x, y, width - x < 16 ? width - x : 16, rows);
 }
 
 /*
  * Writes the results of the packets of a tile, and prefetches rows of the next one. They lie too far apart for the
  * processor's own prefetching, and only few cache misses can be under way at once: so each packet that is written
- * prefetches one row. A list needs no prefetch, as it is read in order.
+ * prefetches one row.
  */
-static void write_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
-                          const struct mlrt_bundle *bundle)
+static MLRT_NOINLINE void write_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                        struct mlrt_ray_tile *tile, const struct mlrt_bundle *bundle)
 {
     const int has_numbers = (job->frame.numbers | worker->sinks.tile.numbers) != 0;
-    const int has_rows = !is_list(&job->source);
     const uint32_t open = tile->blocks & ~bundle->state.closed, last_column = (1u << tile->column_bits) - 1;
     struct row_of_packets row = {.count = 0};
+    struct mlrt_rows_ahead rows;
     uint32_t next_x, next_y;
     find_next_tile(&job->source, &tile->area, &next_x, &next_y);
+    begin_rows_ahead(job, next_x, next_y, &rows);
     for (uint32_t left = tile->blocks; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), ahead = place + 2;
-        if (has_rows) prefetch_row_of_tile(job, next_x, next_y + place);
+        mlrt_prefetch_rows(&rows, place);
         if (has_numbers && open >> ahead & 1) prefetch_triangles(job->tree, &tile->packets[ahead]);
         if (bundle->state.closed >> place & 1) {
             const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
