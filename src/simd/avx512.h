@@ -130,11 +130,6 @@ MLRT_INLINE vf v_floats_at(const unsigned char *p, size_t step, size_t row_step)
     return join_quads(square_at(p, step, row_step), square_at(p + 2 * step, step, row_step),
                       square_at(below, step, row_step), square_at(below + 2 * step, step, row_step));
 }
-MLRT_INLINE void store_halves(unsigned char *at, __m512d a)
-{
-    _mm256_storeu_pd((void *)at, _mm512_castpd512_pd256(a));
-    _mm256_storeu_pd((void *)(at + 32), _mm512_extractf64x4_pd(a, 1));
-}
 MLRT_INLINE void v_store_rows(const float *first, size_t distance, unsigned char *at, size_t row_stride)
 {
     const __m512i pairs[2] = {_mm512_setr_epi64(0, 2, 8, 10, 1, 3, 9, 11),
@@ -146,8 +141,8 @@ MLRT_INLINE void v_store_rows(const float *first, size_t distance, unsigned char
     for (int i = 0; i < 2; ++i, at += 2 * row_stride) { /* two rows, one in each half */
         const __m512d left = _mm512_permutex2var_pd(packet[0], pairs[i], packet[1]);
         const __m512d right = _mm512_permutex2var_pd(packet[2], pairs[i], packet[3]);
-        store_halves(at, _mm512_shuffle_f64x2(left, right, 0x44));
-        store_halves(at + row_stride, _mm512_shuffle_f64x2(left, right, 0xEE));
+        _mm512_storeu_pd(at, _mm512_shuffle_f64x2(left, right, 0x44));
+        _mm512_storeu_pd(at + row_stride, _mm512_shuffle_f64x2(left, right, 0xEE));
     }
 }
 MLRT_INLINE void i_pairs_at(const unsigned char *p, size_t step, size_t row_step, vi *firsts, vi *seconds)
