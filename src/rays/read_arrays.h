@@ -131,7 +131,7 @@ static void read_whole_block(const struct mlrt_array_reader *reader, uint32_t x,
 {
     const struct mlrt_source *source = reader->source;
     const size_t ray = (size_t)y * source->width + x;
-    const size_t origin = source->arrays.rays_per_origin == 1 ? ray : ray / source->arrays.rays_per_origin;
+    const size_t group = source->arrays.rays_per_origin, origin = group > 1 ? ray / group : ray;
     const unsigned char *points = reader->points.data + origin * reader->points.stride;
     const unsigned char *directions = reader->directions.data + ray * reader->directions.stride;
     float *t_min = reader->points_have_t_min ? packet->t_min : NULL;

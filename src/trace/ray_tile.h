@@ -44,6 +44,18 @@ MLRT_INLINE void mlrt_begin_tile(const struct mlrt_rectangle *area, int is_list,
     tile->cells = NULL;
 }
 
+/* The places of a tile whose blocks are whole: neither the edge of the picture nor the end of a list cuts them off. */
+MLRT_INLINE uint32_t mlrt_whole_places(const struct mlrt_source *source, const struct mlrt_ray_tile *tile)
+{
+    const struct mlrt_rectangle *area = &tile->area;
+    const uint64_t row_end = (uint64_t)area->x + area->width, first_end = (uint64_t)area->y * source->width + row_end;
+    uint32_t height = area->height;
+    if (MLRT_UNLIKELY(first_end + (uint64_t)(height - 1) * source->width > source->count)) { /* rows before the end */
+        height = first_end > source->count ? 0 : (uint32_t)((source->count - first_end) / source->width + 1);
+    }
+    return mlrt_places(tile->column_bits, area->width / 4, height / 4);
+}
+
 /* The block of a tile at a place that has one. */
 MLRT_INLINE struct mlrt_rectangle mlrt_block_of_tile(const struct mlrt_ray_tile *tile, uint32_t place)
 {

@@ -18,15 +18,17 @@ static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile 
 {
     struct known_mesh known = NO_MESH;
     struct mlrt_array_reader reader;
-    const int is_even = mlrt_begin_reading(source, &reader);
+    const uint32_t whole = mlrt_begin_reading(source, &reader) ? mlrt_whole_places(source, tile) : 0;
     for (uint32_t left = tile->blocks; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
-        const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
         struct mlrt_packet *packet = &tile->packets[place];
-        const uint32_t lanes = mlrt_existing_lanes(source, &block);
-        if (MLRT_LIKELY(is_even && lanes == 0xFFFF)) {
-            read_whole_block(&reader, block.x, block.y, &known, packet);
+        uint32_t lanes = 0xFFFF;
+        if (MLRT_LIKELY(whole >> place & 1)) {
+            const uint32_t row = place >> tile->column_bits, column = place - (row << tile->column_bits);
+            read_whole_block(&reader, tile->area.x + 4 * column, tile->area.y + 4 * row, &known, packet);
         } else {
+            const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
+            lanes = mlrt_existing_lanes(source, &block);
             fetch_block(source, &block, lanes, packet);
             if (packet->has.skip) mlrt_number_skips(source->tree, packet);
         }
