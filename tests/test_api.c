@@ -2127,6 +2127,56 @@ static void tasks_that_flush_denormals_build_the_same(void **state)
 #endif
 }
 
+/*
+ * A saved tree has a hash of its triangles, whose corners may be kept in units: those of denormal triangles, of huge
+ * ones, and of both. To take them out of units is arithmetic, where denormals count and results are inexact.
+ */
+static void trees_are_saved_the_same_by_any_caller(void **state)
+{
+    (void)state;
+#if HAS_MXCSR
+    static const float scales[] = {1e-39f, 1e36f, 1};
+    static const unsigned int controls[] = {MASKED | FLUSH | DENORMALS_ARE_ZERO, MASKED | 0x6000, 0};
+    const float zero[3] = {0, 0, 0};
+    for (size_t i = 0; i < 2 * (sizeof scales / sizeof *scales); i++) {
+        struct random random = {i};
+        struct soup soup = {0};
+        mlrt_tree *tree;
+        size_t size, other_size;
+        soup_add_random(&soup, &random, 40, 1, 0.4f);
+        move_soup(&soup, scales[i / 2], zero);
+        const float *corner = soup.corners, one[3] = {corner[0], corner[1], corner[2]},
+                    two[3] = {corner[3], corner[4], corner[5]};
+        soup_add_triangle(&soup, one, two, zero);
+        const mlrt_mesh mesh = {.struct_size = sizeof mesh,
+                                .vertices = soup.corners,
+                                .vertex_count = 3 * soup.count,
+                                .triangle_count = soup.count};
+        assert_int_equal(i % 2 ? mlrt_build_kdtree(&mesh, 1, NULL, &tree) : mlrt_build_tree(&mesh, 1, NULL, &tree),
+                         MLRT_OK);
+        assert_int_equal(mlrt_save_tree(tree, NULL, 0, &size), MLRT_OK);
+        unsigned char *file = allocate_or_fail(size, 1), *other = allocate_or_fail(size, 1);
+        assert_int_equal(mlrt_save_tree(tree, file, size, &size), MLRT_OK);
+        for (size_t k = 0; k < sizeof controls / sizeof *controls; k++) {
+            const unsigned int before = _mm_getcsr();
+            _mm_setcsr(controls[k]);
+            const int32_t status = mlrt_save_tree(tree, other, size, &other_size);
+            const unsigned int after = _mm_getcsr();
+            _mm_setcsr(before);
+            assert_int_equal(status, MLRT_OK);
+            assert_int_equal(after, controls[k]);
+            assert_memory_equal(file, other, size);
+        }
+        mlrt_destroy_tree(tree);
+        free(file);
+        free(other);
+        free_soup(&soup);
+    }
+#else
+    skip();
+#endif
+}
+
 #if HAS_MXCSR
 struct control_seen {
     unsigned int expected;
@@ -2251,6 +2301,7 @@ int main(void)
         cmocka_unit_test(meshes_and_costs_of_signalling_nans),
         cmocka_unit_test(a_denormal_limit_is_a_limit),
         cmocka_unit_test(tasks_that_flush_denormals_build_the_same),
+        cmocka_unit_test(trees_are_saved_the_same_by_any_caller),
         cmocka_unit_test(callbacks_run_in_the_callers_environment),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

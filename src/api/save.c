@@ -292,7 +292,9 @@ MLRT_API int32_t mlrt_save_tree(const mlrt_tree *tree, void *buffer, size_t capa
         return mlrt_fail(MLRT_ERROR_ARGUMENT, "capacity: %s is less than the %s bytes of the tree",
                          mlrt_write_digits(capacity, given), file_size);
     }
+    const uint64_t environment = mlrt_enter_fp_environment();
     write_file(tree, &header, buffer);
+    mlrt_leave_fp_environment(environment);
     return MLRT_OK;
 }
 
