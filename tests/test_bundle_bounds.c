@@ -1307,6 +1307,198 @@ static void draw_pair(struct random *random, const struct bound *bound, float *i
     }
 }
 
+/* ---- ends of cells ----------------------------------------------------------------------------------------------- */
+
+/*
+ * Inputs: the corners of a triangle, those of another whose plane slabs are parallel to, the point that is subtracted
+ * from those of rays, two such points, and a number: its sign says whether rays are parallel, its lowest bit whether all
+ * are multiplied by 2^67.
+ */
+enum { SLAB = 9, FROM = 18, POINTS = 21, KIND = 27, INPUT_COUNT_OF_ENDS = 28, END_COUNT = 2 };
+
+/* Makes the cell of rays whose points, before the subtraction, are these two in turn. */
+static void make_cell_of_ends(const float *numbers, int are_parallel, struct mlrt_array_cells *cells)
+{
+    enum { CELL_RAYS = 256 };
+    static float points[CELL_RAYS][3];
+    static struct mlrt_source source = {.width = 16, .height = 16, .count = CELL_RAYS};
+    static struct mlrt_array_layout layout = {
+        .data = (const unsigned char *)points, .stride = 12, .step = 12, .row_step = 16 * 12, .is_packed = 1};
+    for (int i = 0; i < CELL_RAYS; i++) memcpy(points[i], numbers + POINTS + 3 * (i % END_COUNT), sizeof points[i]);
+    *cells = (struct mlrt_array_cells){.reader.source = &source, .area = {0, 0, 16, 16}, .vectors = &layout};
+    cells->from = numbers + FROM;
+    cells->are_parallel = are_parallel;
+}
+
+/* Reads the points as the cell does, and sets its slab to their box. */
+static void find_ends(const struct mlrt_array_cells *cells, float ends[END_COUNT][3], struct mlrt_cell_slab *slab)
+{
+    float rows[3][MLRT_PACKET_RAYS];
+    struct extremes box[3] = {NO_EXTREMES, NO_EXTREMES, NO_EXTREMES};
+    read_points(cells, 0, rows);
+    for (int i = 0; i < END_COUNT; i++) {
+        for (int k = 0; k < 3; k++) {
+            ends[i][k] = rows[k][i];
+            add_to_extremes(rows[k][i], &box[k]);
+        }
+    }
+    set_box(box, 0, slab);
+}
+
+/* Sets `truth` to `distance` - normal . end. */
+static void find_height(double distance, const double *normal, const float *end)
+{
+    mpf_set_d(truth, distance);
+    for (int k = 0; k < 3; k++) {
+        mpf_set_d(product, normal[k]);
+        mpf_set_d(other, end[k]);
+        mpf_mul(product, product, other);
+        mpf_sub(truth, truth, product);
+    }
+}
+
+/* Loads a triangle relative to the point that is subtracted, or to 0, and sets `cross` to n. */
+static void load_plane(const float *corners, const float *from)
+{
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++) {
+            mpf_set_d(corner[i].x[k], corners[3 * i + k]);
+            mpf_set_d(product, from ? from[k] : 0);
+            mpf_sub(corner[i].x[k], corner[i].x[k], product);
+        }
+    }
+    subtract_vectors(&corner[1], &corner[0], &edge[0]);
+    subtract_vectors(&corner[2], &corner[0], &edge[1]);
+    find_cross(&edge[0], &edge[1]);
+}
+
+/* Sets `truth` to n . (a - end) of the plane that was loaded last. */
+static void find_number_of_end(const float *end)
+{
+    for (int k = 0; k < 3; k++) {
+        mpf_set_d(product, end[k]);
+        mpf_sub(seen.x[k], corner[0].x[k], product);
+    }
+    find_dot(&seen);
+}
+
+/*
+ * Sets `truth` to the least number, in a plane's sign, of points of a slab and a box, for the k that is computed (L21).
+ * The plane was loaded last.
+ */
+static void find_least_of_slab(const struct mlrt_cell_slab *slab, const struct plane_of_cells *of)
+{
+    const double *n = of->plane.normal, *m = slab->normal;
+    const double share = (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) / (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+    const int is_least = (share > 0) == (of->sign > 0);
+    find_dot(&corner[0]); /* p */
+    mpf_set_d(value, is_least ? slab->least : slab->greatest);
+    mpf_set_d(other, slab->distance);
+    mpf_sub(value, value, other);
+    mpf_set_d(other, share);
+    mpf_mul(value, value, other);
+    mpf_add(truth, truth, value);
+    if (of->sign < 0) mpf_neg(truth, truth);
+    for (int k = 0; k < 3; k++) { /* r, and the end of the box that makes - r . e the least */
+        mpf_set_d(value, share);
+        mpf_set_d(other, m[k]);
+        mpf_mul(value, value, other);
+        mpf_sub(value, cross.x[k], value);
+        if (of->sign < 0) mpf_neg(value, value);
+        mpf_set_d(other, mpf_sgn(value) > 0 ? slab->hi[k] : slab->lo[k]);
+        mpf_mul(value, value, other);
+        mpf_sub(truth, truth, value);
+    }
+}
+
+/*
+ * By how much a slab is nearer to its side of a plane than it is computed to be, and heights of its points are outside
+ * its ends. What is said of the side must be true of all points.
+ */
+static double attack_ends(const float *input)
+{
+    static float numbers[INPUT_LIMIT], ends[END_COUNT][3];
+    struct mlrt_array_cells cells;
+    struct mlrt_cell_slab slab;
+    struct plane_of_cells of;
+    struct mlrt_triangle triangle;
+    double worst = 0;
+    const int are_large = (int)(bits_of_float(input[KIND]) & 1);
+    for (int i = 0; i < KIND; i++) {
+        numbers[i] = fmaxf(fminf(are_large ? input[i] * 0x1p67f : input[i], FLT_MAX), -FLT_MAX);
+    }
+    make_cell_of_ends(numbers, input[KIND] < 0, &cells);
+    find_ends(&cells, ends, &slab);
+    for (int i = 0; i < END_COUNT; i++) {
+        for (int k = 0; k < 3; k++) {
+            if (!isfinite(ends[i][k])) return -1;
+        }
+    }
+    memcpy(triangle.v, numbers + SLAB, sizeof triangle.v);
+    see_plane_of_cells(&cells, &triangle, &of);
+    for (int sign = -1; sign < 2; sign += 2) {
+        of.sign = sign;
+        if (turn_slab(&cells, 0, &of, &slab)) break;
+    }
+    set_scale(1, 1);
+    double size = fabs(slab.distance);
+    for (int k = 0; k < 3; k++) size += fabs(slab.normal[k]) * fmax(fabs(ends[0][k]), fabs(ends[1][k]));
+    for (int i = 0; i < END_COUNT; i++) {
+        find_height(slab.distance, slab.normal, ends[i]);
+        if (size > 0) worst = fmax(worst, beyond(slab.least, slab.greatest, size * SLAB_ERROR));
+    }
+    memcpy(triangle.v, numbers, sizeof triangle.v);
+    see_plane_of_cells(&cells, &triangle, &of);
+    load_plane(numbers, cells.are_parallel ? NULL : cells.from);
+    for (int sign = -1; sign < 2; sign += 2) {
+        of.sign = sign;
+        const struct slab_side side = find_slab_side(&slab, &of);
+        if (side.error > 0) {
+            find_least_of_slab(&slab, &of);
+            worst = fmax(worst, error_over(side.nearest - side.room, side.error));
+        }
+        for (int i = 0; is_slab_apart(&slab, &of) && i < END_COUNT; i++) {
+            find_number_of_end(ends[i]);
+            if (mpf_sgn(truth) * sign <= 0) return INFINITY;
+        }
+    }
+    return worst;
+}
+
+/* Two planes as of a pair; the points are any, or points of either triangle, a few floats off. */
+static void draw_ends(struct random *random, const struct bound *bound, float *input)
+{
+    float pair[INPUT_LIMIT];
+    const struct bound bound_of_pair = {.input_count = INPUT_COUNT_OF_PAIR};
+    (void)bound;
+    draw_pair(random, &bound_of_pair, pair);
+    memcpy(input, pair, 9 * sizeof *input);
+    memcpy(input + SLAB, pair + SECOND, 9 * sizeof *input);
+    memcpy(input + FROM, pair + WAIST, 3 * sizeof *input);
+    const int is_near = draw_below(random, 4) != 0, is_from_near = draw_below(random, 3) == 0;
+    const float *at = input + (draw_below(random, 2) ? SLAB : 0);
+    for (int i = 0; i < END_COUNT; i++) {
+        float weight[3];
+        for (int j = 0; j < 3; j++) weight[j] = draw_below(random, 5) ? draw_range(random, 0, 1) : 0;
+        const float sum = weight[0] + weight[1] + weight[2] > 0 ? weight[0] + weight[1] + weight[2] : 1;
+        for (int k = 0; k < 3; k++) {
+            const float p = (weight[0] * at[k] + weight[1] * at[3 + k] + weight[2] * at[6 + k]) / sum;
+            input[POINTS + 3 * i + k] = is_near ? next_float(p, (int)draw_below(random, 5) - 2) : pair[RAY + 3 * i + k];
+        }
+    }
+    for (int k = 0; is_from_near && k < 3; k++)
+        input[FROM + k] = next_float(input[POINTS + k], (int)draw_below(random, 99));
+    input[KIND] = float_of_bits(bits_of_float(draw_below(random, 2) ? 1 : -1) | draw_below(random, 2));
+    for (int i = 0; i < KIND; i++) input[i] = clamp_input(input[i], 0);
+}
+
+static void bounds_of_ends_hold(void **state)
+{
+    static const struct bound ends = {"cells: ends", INPUT_COUNT_OF_ENDS, 0, attack_ends, 0.08, NULL};
+    (void)state;
+    attack_bound(&ends, draw_ends, 20, STEP_COUNT);
+}
+
 static void bounds_of_lines_hold(void **state)
 {
     static const struct bound bounds[] = {
@@ -1384,6 +1576,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(bounds_from_the_waist_hold),
         cmocka_unit_test(depths_hold),
         cmocka_unit_test(bounds_of_lines_hold),
+        cmocka_unit_test(bounds_of_ends_hold),
         cmocka_unit_test(bounds_in_double_hold),
     };
     if (argc > 1 && atoi(argv[1]) > 0) search_effort = (size_t)atoi(argv[1]);

@@ -89,8 +89,27 @@ struct plane_of_cells {
     double sign; /* of the numbers that let a ray pass */
 };
 
-/* Is a slab on the side of a plane where rays do not reach it? */
-static int is_slab_apart(const struct mlrt_cell_slab *slab, const struct plane_of_cells *of)
+/* Sets a plane, but for the sign, which differs from cell to cell. */
+static void see_plane_of_cells(const struct mlrt_array_cells *cells, const struct mlrt_triangle *triangle,
+                               struct plane_of_cells *of)
+{
+    mlrt_set_plane(triangle, &of->plane);
+    of->distance = of->size = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double to = of->plane.point[k] - (cells->are_parallel ? 0 : (double)cells->from[k]);
+        of->distance += to * of->plane.normal[k];
+        of->size += fabs(to) * of->plane.size[k];
+    }
+}
+
+/* Where a slab lies: numbers of its points are at least `nearest` - `room` in the plane's sign, but for `error`. */
+struct slab_side {
+    double nearest;
+    double room;
+    double error;
+};
+
+MLRT_INLINE struct slab_side find_slab_side(const struct mlrt_cell_slab *slab, const struct plane_of_cells *of)
 {
     const double *n = of->plane.normal, *m = slab->normal;
     const double share = (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) / (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
@@ -101,9 +120,16 @@ static int is_slab_apart(const struct mlrt_cell_slab *slab, const struct plane_o
         room += fabs(rest) * (0.5 * (hi - lo));
         size += (of->plane.size[k] + fabs(share * m[k])) * (-lo > hi ? -lo : hi);
     }
-    const double one = share * slab->least, two = share * slab->greatest, bound = room + size * SLAB_ERROR;
+    const double one = share * slab->least, two = share * slab->greatest;
     const double end = (one < two) == (of->sign > 0) ? one : two; /* the one that is nearer to the plane */
-    return (middle + end) * of->sign > bound;
+    return (struct slab_side){(middle + end) * of->sign, room, size * SLAB_ERROR};
+}
+
+/* Is a slab on the side of a plane where rays do not reach it? */
+static int is_slab_apart(const struct mlrt_cell_slab *slab, const struct plane_of_cells *of)
+{
+    const struct slab_side side = find_slab_side(slab, of);
+    return side.nearest > side.room + side.error;
 }
 
 /* Sets the slab of a cell to its box, whose extremes are given from an axis on. */
@@ -169,13 +195,7 @@ static MLRT_NOINLINE uint32_t find_cells_apart(const struct mlrt_tree *tree, con
     places &= cells->are_parallel ? ~at_end : cells->have_ends ? at_end : 0;
     if (!places) return 0;
     const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
-    mlrt_set_plane(&triangle, &of.plane);
-    of.distance = of.size = 0;
-    for (int k = 0; k < 3; ++k) {
-        const double to = of.plane.point[k] - (cells->are_parallel ? 0 : (double)cells->from[k]);
-        of.distance += to * of.plane.normal[k];
-        of.size += fabs(to) * of.plane.size[k];
-    }
+    see_plane_of_cells(cells, &triangle, &of);
     if ((bundle->waist.sign < 0) != cells->are_parallel) backward = ~backward;
     for (; places; places &= places - 1) {
         const uint32_t place = mlrt_lowest_bit(places), bit = places & (0u - places);
