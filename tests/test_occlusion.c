@@ -533,6 +533,35 @@ static void squares_that_skip_two_triangles(void **state)
     free_fixture(&fixture);
 }
 
+/*
+ * Points in the shadow of a wall. Of each square of sixteen all points of some blocks of 4x4 are not finite: of the last
+ * ones, the first ones, or any, while the others are behind the wall.
+ */
+static void squares_of_which_whole_blocks_are_not_finite(void **state)
+{
+    (void)state;
+    static const uint32_t blocks_of[] = {0x8000, 0xFFFE, 0x0001, 0x7FFF, 0xF000, 0x0F0F, 0x5A5A};
+    const float corner[3] = {-90, -90, 0}, side[3] = {180, 0, 0}, other_side[3] = {0, 180, 0};
+    struct soup soup = {0};
+    soup_add_quad(&soup, corner, side, other_side);
+    struct fixture fixture = fixture_of_soup("a wall", 7, &soup);
+    const mlrt_light lights[] = {light_at(-1, -2, 3), light_from(0.25f, 0.5f, 1)};
+    for (size_t i = 0; i < sizeof blocks_of / sizeof *blocks_of; i++) {
+        struct points points = points_of_wall(-2);
+        for (size_t k = 0; k < points.count; k++) {
+            const size_t block = k % WALL_WIDTH % 16 / 4 + k / WALL_WIDTH % 16 / 4 * 4;
+            points.skip[2 * k] = MLRT_NONE;
+            if (blocks_of[i] >> block & 1) points.positions[3 * k + k % 3] = k % 2 ? NAN : INFINITY;
+        }
+        for (size_t l = 0; l < sizeof lights / sizeof *lights; l++) {
+            check(&fixture, &points, &lights[l]);
+            check_shared_vector(&fixture, &points, lights[l].position, lights[l].kind == MLRT_LIGHT_POINT);
+        }
+        free_points(&points);
+    }
+    free_fixture(&fixture);
+}
+
 enum { PLASTER_WIDTH = 64, PLASTER_HEIGHT = 48 };
 
 static float moved_by_floats(float x, int32_t steps)
@@ -770,6 +799,7 @@ int main(void)
         cmocka_unit_test(strides_of_points_and_results),
         cmocka_unit_test(squares_of_points),
         cmocka_unit_test(squares_that_skip_two_triangles),
+        cmocka_unit_test(squares_of_which_whole_blocks_are_not_finite),
         cmocka_unit_test(points_between_doubled_walls),
         cmocka_unit_test(points_farther_apart_than_a_float),
         cmocka_unit_test(points_in_a_short_last_row),
