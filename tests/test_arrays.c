@@ -559,6 +559,46 @@ static void frames_in_structs(void **state)
     free_fixture(&fixture);
 }
 
+/*
+ * Each direction is followed by a word, of which the first ones are the t_min of origins that sixteen rays share. The
+ * last direction ends with its memory: no word follows it.
+ */
+static void words_between_directions_of_shared_origins(void **state)
+{
+    (void)state;
+    enum { ORIGINS = 4, RAYS = 16 * ORIGINS, WORDS_APART = 4 };
+    struct random random = {1910};
+    struct fixture fixture = three_meshes();
+    float origins[ORIGINS][3], t_min[ORIGINS], packed[RAYS][3], expected[RAYS], t[RAYS];
+    const size_t size = ((RAYS - 1) * WORDS_APART + 3) * sizeof(float);
+    float *words = allocate_guarded(size);
+    memset(words, 0, size);
+    for (int i = 0; i < ORIGINS; i++) {
+        draw_point(&random, -3, 3, origins[i]);
+        t_min[i] = words[WORDS_APART * i + 3] = draw_range(&random, 0, 1);
+    }
+    for (int i = 0; i < RAYS; i++) {
+        for (int k = 0; k < 3; k++) packed[i][k] = draw_range(&random, -0.5f, 0.5f) - origins[i / 16][k];
+        memcpy(words + (size_t)(WORDS_APART * i), packed[i], sizeof packed[i]);
+    }
+    mlrt_rays rays = {.struct_size = sizeof rays, .count = RAYS, .rays_per_origin = 16, .origins = {origins, 0}};
+    mlrt_hits hits = {.struct_size = sizeof hits, .t = {expected, 0, 0}};
+    mlrt_trace_options options = {.struct_size = sizeof options};
+    rays.directions.data = packed;
+    rays.t_min.data = t_min;
+    assert_int_equal(mlrt_trace_packet(fixture.tree, &rays, &options, &hits), MLRT_OK);
+    rays.directions = (mlrt_const_array){words, WORDS_APART * sizeof(float)};
+    rays.t_min = (mlrt_const_array){words + 3, WORDS_APART * sizeof(float)};
+    hits.t.data = t;
+    for (options.isa = MLRT_ISA_SCALAR; options.isa <= MLRT_ISA_AVX512; options.isa++) {
+        if (!isa_is_supported(options.isa)) continue;
+        assert_int_equal(mlrt_trace_packet(fixture.tree, &rays, &options, &hits), MLRT_OK);
+        assert_memory_equal(t, expected, sizeof t);
+    }
+    free_guarded(words, size);
+    free_fixture(&fixture);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -571,6 +611,7 @@ int main(void)
         cmocka_unit_test(frames_of_a_box),
         cmocka_unit_test(rays_to_structs),
         cmocka_unit_test(frames_in_structs),
+        cmocka_unit_test(words_between_directions_of_shared_origins),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1610,6 +1610,32 @@ static void without_lights_there_are_no_shadows(void **state)
     free_fixture(&fixture);
 }
 
+/* Every second light is behind the wall that the whole picture shows: whole squares have the same bits. */
+static void whole_squares_in_bytes_of_any_stride(void **state)
+{
+    (void)state;
+    enum { WIDTH = 83, HEIGHT = 70, COUNT = WIDTH * HEIGHT, BEHIND = 0xAA, GAP = 0x77 };
+    const float corner[3] = {-50, -50, 0}, side[3] = {100, 0, 0}, other_side[3] = {0, 100, 0};
+    const float eye[3] = {0.3f, 0.2f, 3}, target[3] = {0, 0, 0};
+    const mlrt_camera camera = look_at(eye, target, 1, WIDTH, HEIGHT);
+    struct soup soup = {0};
+    mlrt_light lights[LIGHT_LIMIT];
+    soup_add_quad(&soup, corner, side, other_side);
+    struct fixture fixture = fixture_of_soup("a wall", 12, &soup);
+    for (int i = 0; i < LIGHT_LIMIT; i++) lights[i] = light_at(0.25f * (float)i, 1, i % 2 ? -2 : 2);
+    for (size_t stride = 1; stride <= 5; stride += 2) {
+        unsigned char *bytes = allocate_or_fail(COUNT, stride);
+        memset(bytes, GAP, COUNT * stride);
+        const mlrt_trace_options options = {
+            .struct_size = sizeof options, .lights = lights, .light_count = LIGHT_LIMIT};
+        const mlrt_hits frame = {.struct_size = sizeof frame, .occluded = {bytes, stride, 0}};
+        assert_int_equal(mlrt_render_tiles(fixture.tree, &camera, &options, &frame, NULL, NULL), MLRT_OK);
+        for (size_t i = 0; i < COUNT * stride; i++) assert_int_equal(bytes[i], i % stride ? GAP : BEHIND);
+        free(bytes);
+    }
+    free_fixture(&fixture);
+}
+
 static int32_t stop_at_third(void *user, const mlrt_tile *tile)
 {
     int *count = user;
@@ -1688,6 +1714,7 @@ int main(void)
         cmocka_unit_test(shadows_see_what_the_mask_sees),
         cmocka_unit_test(a_callback_gets_shadows_if_it_asked_for_them),
         cmocka_unit_test(without_lights_there_are_no_shadows),
+        cmocka_unit_test(whole_squares_in_bytes_of_any_stride),
         cmocka_unit_test(a_callback_can_end_it),
         cmocka_unit_test(there_were_tiles_of_every_kind),
     };
