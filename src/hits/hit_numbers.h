@@ -391,23 +391,66 @@ static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet
     if (hit != 0xFFFF) report_misses(hit, values);
 }
 
-/* The numbers of one ray's hit: those of DW equal rays. Returns 0 and sets nothing if the judge has to compute them. */
+/* A vector of one ray. Its numbers are computed one by one: the words of vectors take more steps for a single ray. */
+struct point {
+    double x, y, z;
+};
+
+MLRT_INLINE struct point point_at(const float *first, size_t step)
+{
+    return (struct point){first[0], first[step], first[2 * step]};
+}
+
+MLRT_INLINE struct point point_from(struct point from, struct point to)
+{
+    return (struct point){to.x - from.x, to.y - from.y, to.z - from.z};
+}
+
+MLRT_INLINE struct point cross_of_points(struct point v, struct point w)
+{
+    return (struct point){v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x};
+}
+
+MLRT_INLINE double dot_of_points(struct point v, struct point w)
+{
+    return v.x * w.x + v.y * w.y + v.z * w.z;
+}
+
+MLRT_INLINE double size_of_point(struct point v)
+{
+    return fabs(v.x) + fabs(v.y) + fabs(v.z);
+}
+
+/* Rounds a quotient to a float. Returns whether it is certain, where the quotient is off by `width` at most. */
+MLRT_INLINE int round_quotient(double quotient, double width, float *rounded)
+{
+    *rounded = (float)(quotient + width);
+    return MLRT_GUESS || (float)(quotient - width) == *rounded;
+}
+
+/* The numbers of one ray's hit. Returns 0 if the judge has to compute them; then those in *report have no meaning. */
 MLRT_INLINE int report_one_ray(const struct mlrt_corners *of, const float origin[3], const float direction[3],
                                struct mlrt_hit_report *report)
 {
-    vd corner[9], o[3], d[3];
-    struct plane_terms plane;
-    struct mlrt_packet_values values;
-    MLRT_UNROLL
-    for (uint32_t i = 0; i < 9; ++i) corner[i] = d_set1(of->corner[i * of->row]);
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) o[k] = d_set1(origin[k]), d[k] = d_set1(direction[k]);
-    set_plane_terms(corner, &plane);
-    const uint32_t reported =
-        report_rays(&plane, o, d, size_of_doubles(d), MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, 0, &values);
-    if (MLRT_UNLIKELY(!(reported & 1))) return 0;
-    *report = (struct mlrt_hit_report){values.t[0], values.uv[0][0], values.uv[1][0], reported >> 16 & 1 ? 1 : -1};
-    return 1;
+    const size_t row = of->row;
+    const struct point a = point_at(of->corner, row), d = point_at(direction, 1);
+    const struct point p = point_from(point_at(origin, 1), a);
+    const struct point ac = point_from(a, point_at(of->corner + 6 * row, row));
+    const struct point ba = point_from(point_at(of->corner + 3 * row, row), a);
+    const struct point normal = cross_of_points(ac, ba), moment = cross_of_points(p, d);
+    const double determinant = dot_of_points(d, normal), n = dot_of_points(p, normal);
+    const double inverse = 1 / determinant, size = fabs(inverse);
+    const double p_size = size_of_point(p), d_size = size_of_point(d);
+    const double ac_size = size_of_point(ac), ba_size = size_of_point(ba), normal_size = ac_size * ba_size;
+    const double n_width = MLRT_NUMERATOR_ERROR * p_size * normal_size +
+                           MLRT_DENOMINATOR_ERROR * MLRT_GREATEST_D_SIZE * fabs(n);
+    const double edge_error = MLRT_NUMERATOR_ERROR * p_size * d_size, d_error = MLRT_DENOMINATOR_ERROR * d_size * normal_size;
+    int certain = d_size * normal_size * size < MLRT_GREATEST_D_SIZE;
+    certain &= round_quotient(n * inverse, n_width * size, &report->t);
+    certain &= round_quotient(dot_of_points(ac, moment) * inverse, (edge_error * ac_size + d_error) * size, &report->u);
+    certain &= round_quotient(dot_of_points(ba, moment) * inverse, (edge_error * ba_size + d_error) * size, &report->v);
+    report->facing = determinant > 0 ? 1 : -1;
+    return certain;
 }
 
 #endif
