@@ -154,8 +154,7 @@ MLRT_INLINE void bound_distances(const struct float_test *test, struct verdict *
     const vf distance = v_flip(test->distance, test->determinant);
     const vf inverse = v_div(v_set1(1), v_abs(test->determinant)), slack = v_mul(inverse, test->plane_bound);
     verdict->lo = v_mul(v_mul(v_sub(distance, test->distance_bound), inverse), v_sub(v_set1(1), slack));
-    verdict->hi =
-        v_mul(v_mul(v_add(distance, test->distance_bound), inverse), v_add(v_set1(1), v_add(slack, slack)));
+    verdict->hi = v_mul(v_mul(v_add(distance, test->distance_bound), inverse), v_add(v_set1(1), v_add(slack, slack)));
 }
 
 /* The same with lo and hi, unless `any`. */

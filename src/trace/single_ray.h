@@ -336,9 +336,8 @@ MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *n
                                    struct mlrt_worker *worker)
 {
     const vm ignored = places_without_test(packet, lane, i_load_any(numbers));
-    struct verdict verdict =
-        compare_with_nearest_hits(test, m_andnot(inside, ignored), t_min, v_set1(packet->nearest.lo[lane]),
-                                  v_set1(packet->nearest.hi[lane]));
+    struct verdict verdict = compare_with_nearest_hits(
+        test, m_andnot(inside, ignored), t_min, v_set1(packet->nearest.lo[lane]), v_set1(packet->nearest.hi[lane]));
     uint32_t candidates = m_bits(MLRT_GUESS ? verdict.nearer : m_or(verdict.nearer, verdict.undecided)) & places;
     uint32_t changed = NO_PLACE;
     if (!candidates) return NO_PLACE;
