@@ -395,7 +395,7 @@ MLRT_INLINE const float *test_leaf(const struct mlrt_job *job, const struct sing
         struct float_test test;
         set_single_test(ray, corners + v, place_count, &test);
         const vm inside = may_be_inside(&test, m_from_bits(ALL_LANES));
-        if (VW <= 4 && !(m_bits(inside) & places)) continue;
+        if (VW <= 4 && !(m_bits(inside) & places)) continue; /* wide vectors take one branch, after distances */
         const uint32_t changed =
             settle_places(job, numbers + v, inside, places, &test, ray->lane, ray->t_min, packet, worker);
         if (changed == NO_PLACE) continue;
