@@ -637,7 +637,7 @@ static void check_options(void)
     HOST(load, LOAD(sizeof bytes));
     HOST(pool_options, POOL);
 #define ISA(call)                                                                                                      \
-    CHECK((pretended = NO_AVX512, now.options.isa = MLRT_ISA_AVX512), call, UNSUPPORTED,                               \
+    CHECK((pretended = NO_AVX512, mlrt_known_isa = 0, now.options.isa = MLRT_ISA_AVX512), call, UNSUPPORTED,           \
           "options.isa: 4 is not in this build, or not on this machine")
     ISA(PACKET);
     ISA(RAY);

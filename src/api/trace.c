@@ -177,7 +177,7 @@ MLRT_INLINE void set_lone_ray(const mlrt_tree *tree, const mlrt_ray *ray, const 
 {
     lone->given_origin = ray->origin;
     lone->given_direction = ray->direction;
-    lone->kernels = NULL;
+    lone->kernels = options && options->isa ? mlrt_known_kernels(tree->structure, options->isa) : NULL;
     lone->any = options ? options->query : 0;
     lone->mask = options && options->mask ? options->mask : MLRT_MASK_ALL;
     lone->skip = ray->flags ? mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle) : MLRT_NONE;
@@ -228,7 +228,8 @@ MLRT_INLINE int is_usual_call(const mlrt_tree *tree, const mlrt_ray *ray, const 
     static const float one = 1; /* compared as bits, which takes fewer steps */
     return tree && !memcmp(&tree->bvh.unit, &one, sizeof one) && ray && ray->struct_size == sizeof *ray && hit &&
            hit->struct_size == sizeof *hit && ray->flags <= MLRT_RAY_SKIP &&
-           (!options || (options->struct_size == sizeof *options && !options->isa && mlrt_are_plain(options)));
+           (!options || (options->struct_size == sizeof *options && mlrt_are_plain(options) &&
+                         (!options->isa || mlrt_known_kernels(tree->structure, options->isa))));
 }
 
 /* Traces usual calls in the floating-point environment of the library; trace_any_ray traces the others. */

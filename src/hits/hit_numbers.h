@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * t, u, v and facing of the hits of a packet, or of one ray (rule R5), a vector of doubles at a time. The bits are those
+ * t, u, v and facing of the hits of a packet (rule R5), a vector of doubles at a time, or of one ray. The bits are those
  * of the judge (mlrt_report_hit), since each number is the float nearest to the same exact quotient.
  *
  * With p = a - o, the determinants are those at the head of predicate.c:
@@ -391,23 +391,67 @@ static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet
     if (hit != 0xFFFF) report_misses(hit, values);
 }
 
-/* The numbers of one ray's hit: those of DW equal rays. Returns 0 and sets nothing if the judge has to compute them. */
+/* Vectors of one ray. Their components are computed one by one, as equal lanes of vectors would gain nothing. */
+struct point3 {
+    double x, y, z;
+};
+
+MLRT_INLINE struct point3 point3_at(const float *first, size_t step)
+{
+    return (struct point3){first[0], first[step], first[2 * step]};
+}
+
+MLRT_INLINE struct point3 point3_from(struct point3 from, struct point3 to)
+{
+    return (struct point3){to.x - from.x, to.y - from.y, to.z - from.z};
+}
+
+MLRT_INLINE struct point3 point3_cross(struct point3 v, struct point3 w)
+{
+    return (struct point3){v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x};
+}
+
+MLRT_INLINE double point3_dot(struct point3 v, struct point3 w)
+{
+    return v.x * w.x + v.y * w.y + v.z * w.z;
+}
+
+MLRT_INLINE double point3_size(struct point3 v)
+{
+    return fabs(v.x) + fabs(v.y) + fabs(v.z);
+}
+
+/* Rounds a quotient to a float. Returns whether it is certain, where the quotient is off by `width` at most. */
+MLRT_INLINE int round_quotient(double quotient, double width, float *rounded)
+{
+    *rounded = (float)(quotient + width);
+    return MLRT_GUESS || (float)(quotient - width) == *rounded;
+}
+
+/* The numbers of one ray's hit. Returns 0 if the judge has to compute them; then those in *report have no meaning. */
 MLRT_INLINE int report_one_ray(const struct mlrt_corners *of, const float origin[3], const float direction[3],
                                struct mlrt_hit_report *report)
 {
-    vd corner[9], o[3], d[3];
-    struct plane_terms plane;
-    struct mlrt_packet_values values;
-    MLRT_UNROLL
-    for (uint32_t i = 0; i < 9; ++i) corner[i] = d_set1(of->corner[i * of->row]);
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) o[k] = d_set1(origin[k]), d[k] = d_set1(direction[k]);
-    set_plane_terms(corner, &plane);
-    const uint32_t reported =
-        report_rays(&plane, o, d, size_of_doubles(d), MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, 0, &values);
-    if (MLRT_UNLIKELY(!(reported & 1))) return 0;
-    *report = (struct mlrt_hit_report){values.t[0], values.uv[0][0], values.uv[1][0], reported >> 16 & 1 ? 1 : -1};
-    return 1;
+    const size_t row = of->row;
+    const struct point3 a = point3_at(of->corner, row), d = point3_at(direction, 1);
+    const struct point3 p = point3_from(point3_at(origin, 1), a);
+    const struct point3 ac = point3_from(a, point3_at(of->corner + 6 * row, row));
+    const struct point3 ba = point3_from(point3_at(of->corner + 3 * row, row), a);
+    const struct point3 normal = point3_cross(ac, ba), moment = point3_cross(p, d);
+    const double determinant = point3_dot(d, normal), n = point3_dot(p, normal);
+    const double inverse = 1 / determinant, size = fabs(inverse);
+    const double p_size = point3_size(p), d_size = point3_size(d);
+    const double ac_size = point3_size(ac), ba_size = point3_size(ba), normal_size = ac_size * ba_size;
+    const double n_width =
+        MLRT_NUMERATOR_ERROR * p_size * normal_size + MLRT_DENOMINATOR_ERROR * MLRT_GREATEST_D_SIZE * fabs(n);
+    const double edge_error = MLRT_NUMERATOR_ERROR * p_size * d_size,
+                 d_error = MLRT_DENOMINATOR_ERROR * d_size * normal_size;
+    int certain = d_size * normal_size * size < MLRT_GREATEST_D_SIZE;
+    certain &= round_quotient(n * inverse, n_width * size, &report->t);
+    certain &= round_quotient(point3_dot(ac, moment) * inverse, (edge_error * ac_size + d_error) * size, &report->u);
+    certain &= round_quotient(point3_dot(ba, moment) * inverse, (edge_error * ba_size + d_error) * size, &report->v);
+    report->facing = determinant > 0 ? 1 : -1;
+    return certain;
 }
 
 #endif

@@ -127,20 +127,12 @@ MLRT_INLINE vm may_be_inside(const struct float_test *test, vm active)
     return m_andnot(active, m_and(v_gt(test->greatest, test->above), v_lt(test->least, test->below)));
 }
 
-/* Sets lo and hi of t = N / |D| as derived at the head of this file. `width` is W, `size` is |D|. */
-MLRT_INLINE void bound_distance(vf least_n, vf greatest_n, vf size, vf width, struct verdict *verdict)
-{
-    const vf inverse = v_div(v_set1(1), size), slack = v_mul(inverse, width);
-    verdict->lo = v_mul(v_mul(least_n, inverse), v_sub(v_set1(1), slack));
-    verdict->hi = v_mul(v_mul(greatest_n, inverse), v_add(v_set1(1), v_add(slack, slack)));
-}
-
 /*
- * The verdict on `candidates`, which are not surely outside. The nearest hits so far lie between `lo` and `hi`. The
- * verdict's own lo and hi are set unless `any`.
+ * The verdict on `candidates`, which are not surely outside, but for its lo and hi. The nearest hits so far lie between
+ * `lo` and `hi`.
  */
-MLRT_INLINE struct verdict compare_distances(const struct float_test *test, vm candidates, vf t_min, vf lo, vf hi,
-                                             int any)
+MLRT_INLINE struct verdict compare_with_nearest_hits(const struct float_test *test, vm candidates, vf t_min, vf lo,
+                                                     vf hi)
 {
     struct verdict verdict;
     const vf size = v_abs(test->determinant), distance = v_flip(test->distance, test->determinant);
@@ -153,8 +145,24 @@ MLRT_INLINE struct verdict compare_distances(const struct float_test *test, vm c
     verdict.nearer = m_and(verdict.inside, nearer);
     verdict.undecided = m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer);
     verdict.lo = verdict.hi = v_set1(0);
-    if (any || !m_bits(verdict.nearer)) return verdict;
-    bound_distance(least_n, greatest_n, size, test->plane_bound, &verdict);
+    return verdict;
+}
+
+/* Sets lo and hi of t = N / |D| as derived at the head of this file, with E the bound of N, and W that of D. */
+MLRT_INLINE void bound_distances(const struct float_test *test, struct verdict *verdict)
+{
+    const vf distance = v_flip(test->distance, test->determinant);
+    const vf inverse = v_div(v_set1(1), v_abs(test->determinant)), slack = v_mul(inverse, test->plane_bound);
+    verdict->lo = v_mul(v_mul(v_sub(distance, test->distance_bound), inverse), v_sub(v_set1(1), slack));
+    verdict->hi = v_mul(v_mul(v_add(distance, test->distance_bound), inverse), v_add(v_set1(1), v_add(slack, slack)));
+}
+
+/* The same with lo and hi, unless `any`. */
+MLRT_INLINE struct verdict compare_distances(const struct float_test *test, vm candidates, vf t_min, vf lo, vf hi,
+                                             int any)
+{
+    struct verdict verdict = compare_with_nearest_hits(test, candidates, t_min, lo, hi);
+    if (!any && m_bits(verdict.nearer)) bound_distances(test, &verdict);
     return verdict;
 }
 

@@ -37,16 +37,18 @@ static int32_t find_widest(void)
     return (b & avx512) == avx512 && (saved & 0xE6) == 0xE6 ? MLRT_ISA_AVX512 : MLRT_ISA_AVX2;
 }
 
-static int32_t known_isa; /* the only static data that the library writes; 0 = not looked up yet */
+int32_t mlrt_known_isa; /* the only static data that the library writes */
 
 /* Threads that look it up at the same time find the same. */
 static int32_t widest_isa(void)
 {
-    int32_t isa = __atomic_load_n(&known_isa, __ATOMIC_RELAXED);
-    if (!isa) __atomic_store_n(&known_isa, isa = find_widest(), __ATOMIC_RELAXED);
+    int32_t isa = __atomic_load_n(&mlrt_known_isa, __ATOMIC_RELAXED);
+    if (!isa) __atomic_store_n(&mlrt_known_isa, isa = find_widest(), __ATOMIC_RELAXED);
     return isa;
 }
 #else
+int32_t mlrt_known_isa = MLRT_ISA_SCALAR;
+
 static int32_t widest_isa(void)
 {
     return MLRT_ISA_SCALAR;

@@ -3,6 +3,8 @@
 #ifndef MLRT_RUN_DISPATCH_H
 #define MLRT_RUN_DISPATCH_H
 
+#include <stddef.h>
+
 #include "job/structure.h"
 
 /*
@@ -11,6 +13,19 @@
  */
 const struct mlrt_kernels *mlrt_select_kernels(const struct mlrt_structure *structure, int32_t isa, int32_t method,
                                                int counting);
+
+/* The widest instruction set of this machine; 0 = not looked up yet. */
+extern int32_t mlrt_known_isa;
+
+/*
+ * The same for a method with kernels in all instruction sets, without counting, as far as it is known at once: NULL if
+ * mlrt_select_kernels has to say.
+ */
+static inline const struct mlrt_kernels *mlrt_known_kernels(const struct mlrt_structure *structure, int32_t isa)
+{
+    const int32_t widest = __atomic_load_n(&mlrt_known_isa, __ATOMIC_RELAXED);
+    return (uint32_t)isa <= (uint32_t)widest ? structure->tracer.kernels[isa] : NULL;
+}
 
 /* The kernels for the widest instruction set of this machine. */
 const struct mlrt_kernels *mlrt_widest_kernels(const struct mlrt_structure *structure);

@@ -336,14 +336,13 @@ MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *n
                                    struct mlrt_worker *worker)
 {
     const vm ignored = places_without_test(packet, lane, i_load_any(numbers));
-    uint32_t candidates = m_bits(inside) & places & ~m_bits(ignored);
-    const uint32_t mask = packet->has.masks ? packet->mask[lane] : worker->mask;
+    struct verdict verdict = compare_with_nearest_hits(
+        test, m_andnot(inside, ignored), t_min, v_set1(packet->nearest.lo[lane]), v_set1(packet->nearest.hi[lane]));
+    uint32_t candidates = m_bits(MLRT_GUESS ? verdict.nearer : m_or(verdict.nearer, verdict.undecided)) & places;
     uint32_t changed = NO_PLACE;
-    if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) candidates = mlrt_visible_places(job->tree, numbers, candidates, mask);
     if (!candidates) return NO_PLACE;
-    const struct verdict verdict =
-        compare_distances(test, m_andnot(inside, ignored), t_min, v_set1(packet->nearest.lo[lane]),
-                          v_set1(packet->nearest.hi[lane]), job->any);
+    const uint32_t mask = packet->has.masks ? packet->mask[lane] : worker->mask;
+    if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) candidates = mlrt_visible_places(job->tree, numbers, candidates, mask);
     uint32_t undecided = MLRT_GUESS ? 0 : m_bits(verdict.undecided) & candidates;
     const uint32_t nearer = m_bits(verdict.nearer) & candidates;
     if (nearer && job->any) {
@@ -351,7 +350,10 @@ MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *n
         packet->nearest.triangle[lane] = numbers[changed];
         return changed;
     }
-    if (nearer) undecided |= keep_nearest(&verdict, nearer, numbers, lane, packet, &changed);
+    if (nearer) {
+        bound_distances(test, &verdict);
+        undecided |= keep_nearest(&verdict, nearer, numbers, lane, packet, &changed);
+    }
     if (MLRT_UNLIKELY(undecided)) {
         const uint32_t before = packet->nearest.triangle[lane];
         decide_scaled_triangles(job, numbers, undecided, m_bits(verdict.inside), lane, packet, worker);
@@ -393,7 +395,7 @@ MLRT_INLINE const float *test_leaf(const struct mlrt_job *job, const struct sing
         struct float_test test;
         set_single_test(ray, corners + v, place_count, &test);
         const vm inside = may_be_inside(&test, m_from_bits(ALL_LANES));
-        if (!(m_bits(inside) & places)) continue;
+        if (VW <= 4 && !(m_bits(inside) & places)) continue; /* wide vectors take one branch, after distances */
         const uint32_t changed =
             settle_places(job, numbers + v, inside, places, &test, ray->lane, ray->t_min, packet, worker);
         if (changed == NO_PLACE) continue;

@@ -86,7 +86,7 @@ grep -q 'GNU_EH_FRAME' "$folder/segments.txt" || fail "has no tables for unwindi
 # No state: what can be written holds nothing but what the compiler puts there, what the processor can do, and the last
 # message of each thread.
 state=$(nm "$library" | awk '$2 ~ /^[dDbBsSgGC]$/ {print $3}' |
-    grep -vE '^(_DYNAMIC|_GLOBAL_OFFSET_TABLE_|__TMC_END__|known_isa|last_message|__dso_handle|completed\.[0-9]+|__.*_array_entry|_edata|_end|__bss_start)$')
+    grep -vE '^(_DYNAMIC|_GLOBAL_OFFSET_TABLE_|__TMC_END__|mlrt_known_isa|last_message|__dso_handle|completed\.[0-9]+|__.*_array_entry|_edata|_end|__bss_start)$')
 for name in $state; do
     # Tables of addresses are constant once the library is loaded: they lie in .data.rel.ro.
     section=$(objdump -t "$library" | awk -v name="$name" '$NF == name {for (i = 1; i <= NF; i++) if ($i ~ /^\./) {print $i; exit}}')
