@@ -124,6 +124,25 @@ static void test_the_limit_holds_and_a_failed_resize_keeps_the_block(void **stat
     mlrt_free(&memory, block, 60, 1);
 }
 
+static void test_a_block_gives_way_to_one_of_another_size(void **state)
+{
+    (void)state;
+    struct mlrt_memory memory = {.limit_size = 5000000};
+    void *block = mlrt_allocate(&memory, 1000, 4);
+    const size_t sizes[] = {4000, 700, 0, 1, 4900000, 4500000, 50};
+    size_t size = 4000;
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        block = mlrt_reuse(&memory, block, size, sizes[i]);
+        size = sizes[i];
+        assert_non_null(block);
+        assert_int_equal((uintptr_t)block % 64, 0);
+        assert_int_equal(memory.held_size, size);
+        memset(block, 1, size);
+    }
+    assert_null(mlrt_reuse(&memory, block, size, 5000001));
+    assert_int_equal(memory.held_size, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -136,6 +155,7 @@ int main(void)
         cmocka_unit_test(test_resized_blocks_are_aligned_and_whole),
         cmocka_unit_test(test_resizing_null_allocates),
         cmocka_unit_test(test_the_limit_holds_and_a_failed_resize_keeps_the_block),
+        cmocka_unit_test(test_a_block_gives_way_to_one_of_another_size),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

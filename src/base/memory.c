@@ -163,3 +163,11 @@ void *mlrt_resize(struct mlrt_memory *memory, void *block, size_t old_count, siz
     count_held(memory, new_count * size);
     return place_block(start);
 }
+
+void *mlrt_reuse(struct mlrt_memory *memory, void *block, size_t old_size, size_t new_size)
+{
+    void *smaller = memory->allocate || new_size > old_size ? NULL : mlrt_resize(memory, block, old_size, new_size, 1);
+    if (smaller) return smaller;
+    mlrt_free(memory, block, old_size, 1);
+    return mlrt_allocate(memory, new_size, 1);
+}

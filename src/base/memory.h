@@ -48,4 +48,10 @@ void mlrt_free(struct mlrt_memory *memory, void *block, size_t count, size_t siz
  */
 void *mlrt_resize(struct mlrt_memory *memory, void *block, size_t old_count, size_t new_count, size_t size);
 
+/*
+ * Frees a block of old_size bytes and allocates one of new_size, if possible in the same pages: the system clears pages
+ * before they are first used, which takes long. Returns NULL on failure; the old block is freed then, too.
+ */
+void *mlrt_reuse(struct mlrt_memory *memory, void *block, size_t old_size, size_t new_size);
+
 #endif

@@ -111,6 +111,12 @@ static const struct mlrt_bvh_costs COSTS = {1.0f, 1.0f, MLRT_TRIANGLE_COST};
  */
 #define CHUNK_SIZE 4096
 
+/*
+ * Bytes of the block of references for each of them. It becomes the block of the leaves' corners, 36 to 46 bytes for
+ * each, and the system need not clear other pages for these.
+ */
+#define REFERENCE_ROOM 40
+
 /* A child has 29 bits for the number of a node or quad. */
 #define COUNT_LIMIT (UINT32_MAX >> 3)
 
@@ -589,7 +595,8 @@ static int cut(struct build *build, struct portion *portion, struct mlrt_binary_
 
 /* ---- binary hierarchy ---------------------------------------------------------------------------------------- */
 
-static void build_subtree(struct build *build, struct portion *portion, struct mlrt_forest_costs *costs)
+/* Builds a subtree, with its binary nodes one behind the other. Returns the number behind the last of them. */
+static uint32_t build_subtree(struct build *build, struct portion *portion, struct mlrt_forest_costs *costs)
 {
     struct mlrt_binary_node *node = start_node(build, portion);
     struct portion sides[2];
@@ -599,10 +606,12 @@ static void build_subtree(struct build *build, struct portion *portion, struct m
         mlrt_choose_leaf(&build->costs, area, node, costs);
         for (uint32_t i = node->first; i < node->first + node->count; i++)
             build->binary.triangles[i] = mlrt_reference_word(&build->references.boxes[i]);
-        return;
+        return portion->node + 1;
     }
-    for (int side = 0; side < 2; side++) build_subtree(build, &sides[side], &side_costs[side]);
+    sides[1].node = node->upper = build_subtree(build, &sides[0], &side_costs[0]);
+    const uint32_t end = build_subtree(build, &sides[1], &side_costs[1]);
     mlrt_choose_cut(&build->costs, area, side_costs, node, costs);
+    return end;
 }
 
 static double build_task(struct build *build, uint32_t item, uint32_t worker)
@@ -808,7 +817,7 @@ static int allocate_work(struct build *build)
     struct mlrt_memory *memory = &build->tree->memory;
     build->work.size = lay_out_work(build, NULL);
     if (build->work.size > SIZE_MAX) return 0;
-    build->references.boxes = mlrt_allocate(memory, build->limits.capacity, sizeof *build->references.boxes);
+    build->references.boxes = mlrt_allocate(memory, build->limits.capacity, REFERENCE_ROOM);
     build->work.block = build->references.boxes ? mlrt_allocate(memory, (size_t)build->work.size, 1) : NULL;
     if (build->work.block) lay_out_work(build, build->work.block);
     return build->work.block != NULL;
@@ -816,7 +825,7 @@ static int allocate_work(struct build *build)
 
 static void release_references(struct build *build)
 {
-    mlrt_free(&build->tree->memory, build->references.boxes, build->limits.capacity, sizeof *build->references.boxes);
+    mlrt_free(&build->tree->memory, build->references.boxes, build->limits.capacity, REFERENCE_ROOM);
     build->references.boxes = NULL;
 }
 
@@ -831,8 +840,9 @@ void mlrt_free_bvh(struct mlrt_tree *tree)
     *bvh = NONE;
 }
 
-static int32_t allocate_result(struct mlrt_tree *tree, const struct mlrt_bvh_size *size)
+static int32_t allocate_result(struct build *build, const struct mlrt_bvh_size *size)
 {
+    struct mlrt_tree *tree = build->tree;
     struct mlrt_bvh *bvh = &tree->bvh;
     if (size->node_count > COUNT_LIMIT || size->quad_count > COUNT_LIMIT) {
         return mlrt_fail(MLRT_ERROR_TOO_LARGE, "meshes: the tree would have more than %lu nodes, or quads of triangles",
@@ -843,12 +853,17 @@ static int32_t allocate_result(struct mlrt_tree *tree, const struct mlrt_bvh_siz
     bvh->node_count = (uint32_t)size->node_count;
     bvh->leaf_quad_count = (uint32_t)size->quad_count;
     bvh->quad_count = has_places ? (uint32_t)quad_count : bvh->leaf_quad_count;
+    if (bvh->quad_count > 0) {
+        bvh->corners =
+            mlrt_reuse(&tree->memory, build->references.boxes, build->limits.capacity * (size_t)REFERENCE_ROOM,
+                       (36 * (size_t)bvh->quad_count + 16) * sizeof *bvh->corners);
+        build->references.boxes = NULL;
+    }
     if (has_places) bvh->places = mlrt_allocate(&tree->memory, tree->triangle_count, sizeof *bvh->places);
     if (has_places && bvh->places == NULL) return MLRT_ERROR_OUT_OF_MEMORY;
     if (has_places) memset(bvh->places, 0xFF, tree->triangle_count * sizeof *bvh->places);
     if (bvh->quad_count == 0) return MLRT_OK;
     if (bvh->node_count > 0) bvh->nodes = mlrt_allocate(&tree->memory, bvh->node_count, sizeof *bvh->nodes);
-    bvh->corners = mlrt_allocate(&tree->memory, 36 * (size_t)bvh->quad_count + 16, sizeof *bvh->corners);
     bvh->numbers = mlrt_allocate(&tree->memory, 4 * (size_t)bvh->quad_count + 16, sizeof *bvh->numbers);
     if (bvh->node_count > 0 && bvh->nodes == NULL) return MLRT_ERROR_OUT_OF_MEMORY;
     if (bvh->corners == NULL || bvh->numbers == NULL) return MLRT_ERROR_OUT_OF_MEMORY;
@@ -919,8 +934,7 @@ static int32_t build_hierarchy(struct build *build)
         status = make_references(build); // the first attempt has cut references
         if (status == MLRT_OK) status = build_binary(build, MLRT_BVH_DEPTH_LIMIT, &size);
     }
-    release_references(build);
-    if (status == MLRT_OK) status = allocate_result(tree, &size);
+    if (status == MLRT_OK) status = allocate_result(build, &size);
     if (status == MLRT_OK && build->references.count > 0) status = write_all(build);
     if (status != MLRT_OK) return status;
     mlrt_write_given(tree);
@@ -980,7 +994,7 @@ struct mlrt_demand mlrt_foresee_bvh(const void *tree_options, uint32_t triangle_
     struct build build = NOTHING_BUILT;
     set_limits(options, triangle_count, &build);
     build.pool = options->pool;
-    const uint64_t references = (uint64_t)build.limits.capacity * sizeof *build.references.boxes;
+    const uint64_t references = (uint64_t)build.limits.capacity * REFERENCE_ROOM;
     const uint64_t work = lay_out_work(&build, NULL);
     const uint64_t result = (uint64_t)(RESULT_SIZES[options->preset] * triangle_count) + sizeof(struct mlrt_bvh_node) +
                             2 * 52 * sizeof(float);

@@ -181,6 +181,12 @@ static void apply_ranks(struct mlrt_quad_box *references, const struct mlrt_bvh_
  */
 #define FEW_REFERENCES 256
 
+/*
+ * So many references or more are put into two sets of bins in turns. Neighbours in a mesh often fall into the same bin,
+ * and would wait for each other's box there.
+ */
+#define MANY_REFERENCES 256
+
 /* The bin of a centre along each axis is the whole part of (centre - start) * scale. */
 struct binning {
     MLRT_ALIGNED(16) float start[4];
@@ -213,22 +219,36 @@ void mlrt_clear_bins(uint32_t count, struct mlrt_bvh_bins *bins)
     memset(bins->count, 0, bins->bin_count * sizeof *bins->count);
 }
 
+/* Adds a reference to its bin along each axis. */
+MLRT_INLINE void fill_bin(const struct mlrt_quad_box *reference, f4 start, f4 scale, struct mlrt_bvh_bins *bins)
+{
+    MLRT_ALIGNED(16) float bin[4];
+    const f4 lo = f4_load(reference->lo), hi = f4_load(reference->hi);
+    f4_store(bin, f4_mul(f4_sub(centre_of(lo, hi), start), scale));
+    MLRT_UNROLL
+    for (int axis = 0; axis < 3; axis++) {
+        const int number = (int)bin[axis];
+        extend_box(&bins->box[number][axis], lo, hi);
+        bins->count[number][axis]++;
+    }
+}
+
 void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
                     const struct mlrt_quad_box *centres, struct mlrt_bvh_bins *bins)
 {
-    struct binning binning = cut_bins(centres, bins->bin_count);
-    f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
-    for (uint32_t i = first; i < first + count; i++) {
-        MLRT_ALIGNED(16) float bin[4];
-        f4 lo = f4_load(references[i].lo), hi = f4_load(references[i].hi);
-        f4_store(bin, f4_mul(f4_sub(centre_of(lo, hi), start), scale));
-        MLRT_UNROLL
-        for (int axis = 0; axis < 3; axis++) {
-            int number = (int)bin[axis];
-            extend_box(&bins->box[number][axis], lo, hi);
-            bins->count[number][axis]++;
+    const struct binning binning = cut_bins(centres, bins->bin_count);
+    const f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
+    const struct mlrt_quad_box *next = references + first, *end = next + count;
+    if (count >= MANY_REFERENCES) {
+        struct mlrt_bvh_bins others;
+        mlrt_clear_bins(count, &others);
+        for (; next + 1 < end; next += 2) {
+            fill_bin(next, start, scale, bins);
+            fill_bin(next + 1, start, scale, &others);
         }
+        mlrt_merge_bins(&others, bins);
     }
+    for (; next < end; next++) fill_bin(next, start, scale, bins);
 }
 
 void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum)
