@@ -385,7 +385,7 @@ DATA_python-arrays = $(call PYTHON_BENCH,arrays $(PYTHON_SCENES) --rounds 5)
 DATA_python-trimesh = $(call PYTHON_BENCH,trimesh $(PYTHON_SCENES) --rounds 5)
 DATA_python-calls = $(call PYTHON_BENCH,calls)
 DATA_python-distributed = $(call PYTHON_BENCH,distributed)
-DATA_sweep = $(PYTHON) examples/bench/sweep.py $(call OF_SCENES,$(if $(SCENES),office,room office building scan),$(PAPER_FILES) sponza_dabrovic dragon)
+DATA_sweep = $(PYTHON) examples/bench/sweep.py $(call OF_SCENES,$(if $(SCENES),,room office building scan),$(PAPER_FILES) sponza_dabrovic cruiser_mgf dragon)
 
 SPEED_DATA := bench-avx512 bench-avx2 bench-calls bench-build-1 bench-build-2 bench-triangles bench-resolution
 ACCURACY_DATA := methods errors price pays stages stability

@@ -371,7 +371,7 @@ static void begin_bundle_of(const float *point, const float *const *origins, con
     bundle.tile = &tile;
     tile.made = 1;
     bundle.state.going = bundle.state.closed = 1;
-    bundle.state.made = bundle.state.riding = bundle.state.covered = bundle.state.apexes = 0;
+    bundle.state.made = bundle.state.covered = bundle.state.apexes = 0;
     bundle.scene.unit = 1;
     bundle.scene.first = -INFINITY;
     bundle.scene.last = INFINITY;

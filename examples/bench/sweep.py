@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """sweep.py - what the library decides while it traces, and how it builds trees, against fixed choices
 
-    sweep.py [--scene NAME|FILE]... [--views FILE.json] [--kinds primary,shadow] [--rounds 9] [--lives 2] [--jobs N]
+    sweep.py [--scene NAME|FILE]... [--views FILE.json] [--kinds primary,shadow,mirror] [--rounds 9] [--lives 2] [--jobs N]
     sweep.py --trees [--scene NAME|FILE]... [--views FILE.json] [--kinds frame,bounce] [--rounds 3] [--isa avx2,avx512] [--size 512]
 
 measures the bench program of build/, the settings as they are, against one for every setting of src/base/tuning.h listed here
@@ -214,7 +214,7 @@ def main():
     if options.trees:
         compare_trees(options)
         return
-    options.kinds = options.kinds or "primary,shadow"
+    options.kinds = options.kinds or "primary,shadow,mirror"
     options.rounds = options.rounds or 9
     as_they_are = make_default(options.jobs)
     paths = {

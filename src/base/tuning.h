@@ -41,9 +41,9 @@
 #endif
 
 /*
- * A packet this many times as wide as most packets of its tile goes lane by lane. Sweep, of shadows, when wide packets
- * were cut in two instead: 2.5 gives 0.95 to 1.00, 6 gives 0.99 to 1.02, and no limit 0.96 to 1.04. (Primary rays have
- * no wide packets.) With 3, shadows of building were 8 % slower than without a limit.
+ * A packet this many times as wide as most packets of its tile goes lane by lane, where the nearest hit is asked for.
+ * With no limit, reflections have 0.97 to 0.99 of the speed (seven scenes). Where any hit will do there is no limit: with
+ * one, rays to a sun had 0.85 to 0.93 of the speed in six scenes of seven, and rays to a light 0.94 to 1.02.
  */
 #ifndef MLRT_WIDE_FACTOR
 #define MLRT_WIDE_FACTOR 4.0f
@@ -63,8 +63,9 @@
  * node, at most FEW_LEAF_RAYS through a leaf that is not set up. MANY_PACKETS of 17: never.
  *
  * Instructions with AVX2 (docs/tried.md, "Bundles"): 24 rays take 3 % more in dragon_x9, no rays of
- * leaves 12 %, 2 packets 13 %; 16 packets take 9 to 10 % more in dragon and conference. Sweep, MANY_PACKETS 17:
- * cruiser 0.87, others 0.95 to 1.04. FEW_RAYS 16 or 64: 0.97 to 1.04. FEW_LEAF_RAYS 0: 0.94 to 1.01.
+ * leaves 12 %, 2 packets 13 %; 16 packets take 9 to 10 % more in dragon and conference. Sweep, FEW_RAYS 16 or 64: 0.97 to
+ * 1.04. Rules that only scenes of small triangles need: camera rays of cruiser have 0.90 of the speed with MANY_PACKETS
+ * 17, and with FEW_LEAF_RAYS 0 0.95, as those of a refined dragon.
  */
 #ifndef MLRT_MANY_PACKETS
 #define MLRT_MANY_PACKETS 8
@@ -82,9 +83,8 @@
 
 /*
  * A packet that has been tested in vain against more triangles than this goes on lane by lane. With 40 or 160, rays of
- * arrays have 0.87 to 1.02 of the speed (conference, dragon, cruiser). Sweep, when packets went ray by ray after 256
- * tests, in vain or not: with 64, primary 0.88 to 0.98, shadows 0.94 to 1.00; with no limit, primary 0.97 to 1.01,
- * shadows of cruiser 0.85, of conference 0.92, of the others 1.00 to 1.01.
+ * arrays have 0.87 to 1.02 of the speed (conference, dragon, cruiser). With no limit, reflections of dragon have 0.27, of
+ * cruiser 0.58 of the speed.
  */
 #ifndef MLRT_MOST_TESTS
 #define MLRT_MOST_TESTS 96

@@ -154,7 +154,6 @@ struct mlrt_bundle_state {
     uint32_t apexes;          /* all rays start at the waist */
     uint32_t closed;          /* only their cover is known, and no ray of theirs has been tested (cover.h) */
     uint32_t covered;         /* done, where any hit will do: one triangle hides all rays */
-    uint32_t riding;          /* traced lane by lane after the bundle, unless one triangle hides all rays before */
     uint32_t nearer;          /* rays have new hits, from which `last` of the hull has not been updated */
     uint32_t given_up;        /* taken out of the bundle after too many tests in vain */
     uint32_t set_aside;       /* to be traced lane by lane after the bundle */

@@ -270,20 +270,6 @@ MLRT_INLINE uint32_t skipping_lanes(const struct mlrt_bundle *bundle, uint32_t p
     return skipping & packet->active;
 }
 
-/* Ends riding packets all of whose rays a triangle hides. None of their rays may skip it. */
-static MLRT_NOINLINE void hide_riding_packets(struct mlrt_bundle *bundle, uint32_t places, uint32_t number)
-{
-    for (; places; places &= places - 1) {
-        const uint32_t place = mlrt_lowest_bit(places);
-        struct mlrt_packet *packet = &bundle->tile->packets[place];
-        if (skipping_lanes(bundle, place, number)) continue;
-        bundle->state.riding &= ~(1u << place);
-        bundle->hulls.closed.cover[place] = number;
-        finish_untouched_packet(bundle, place);
-        packet->active = 0;
-    }
-}
-
 /*
  * Decides by lines of planes between a triangle and the covers of closed packets (L15): the packets `doubtful` of the
  * vector that begins at `v`, where depths do not tell which comes first. A triangle behind the cover changes nothing. A
@@ -400,13 +386,13 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
     const uint32_t number = leaf->numbers[triangle];
     uint32_t may = 0, covered = 0, left_alone = 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
-        if (!((among | bundle->state.riding) >> v & ALL_LANES)) continue;
+        if (!(among >> v & ALL_LANES)) continue;
         /* With places, outlines are not compared: they cost about as much as edges. */
         const uint32_t seeing = among >> v & (has_places ? ALL_LANES : packets_seeing(bundle, leaf, triangle, v));
-        if (!seeing && !(bundle->state.riding >> v & ALL_LANES)) continue;
+        if (!seeing) continue;
         struct triangle_of_packets of;
         see_triangle_of_packets(hulls, leaf, triangle, v, has_places, &of);
-        if (!((seeing & ~m_bits(of.out) & bundle->state.closed >> v) | (bundle->state.riding >> v & ALL_LANES))) {
+        if (!(seeing & ~m_bits(of.out) & bundle->state.closed >> v)) {
             may |= (seeing & ~m_bits(of.out)) << v;
             continue;
         }
@@ -419,8 +405,6 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
                               v_lt(of.far, v_load(hulls->closed.core_last + v)));
         const vm covers = m_and(m_and(of.inside, core), v_lt(of.far, cover_near));
         const vm known = i_eq(i_load(hulls->closed.cover + v), i_set1(number));
-        if (bundle->state.riding)
-            hide_riding_packets(bundle, m_bits(m_and(of.inside, core)) << v & bundle->state.riding, number);
         uint32_t met = seeing & ~m_bits(m_or(of.out, passed)), skipping = 0;
         if (met & bundle->state.closed >> v) {
             const vm near_begin = v_lt(of.near, v_load(hulls->closed.core_first + v));

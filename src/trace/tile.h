@@ -410,21 +410,12 @@ static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
     return others;
 }
 
-/*
- * Takes packets that are far wider than the others out of a bundle. Where any hit will do they ride along: triangles
- * are still offered to them, since one may hide all of their rays.
- */
-static void set_wide_packets_aside(const struct mlrt_job *job, uint32_t places, struct mlrt_bundle *bundle)
+/* Takes packets that are far wider than the others out of a bundle. */
+static void set_wide_packets_aside(uint32_t places, struct mlrt_bundle *bundle)
 {
     for (uint32_t left = find_wide_packets(bundle) & places; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left);
-        if (job->any && !bundle->tile->packets[place].has.masks) {
-            leave_bundle(bundle, place);
-            bundle->state.riding |= left & (0u - left);
-        } else {
-            release_packet(bundle, place);
-            bundle->state.set_aside |= left & (0u - left);
-        }
+        release_packet(bundle, mlrt_lowest_bit(left));
+        bundle->state.set_aside |= left & (0u - left);
     }
 }
 
@@ -434,7 +425,7 @@ static void begin_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
     bundle->cache = &worker->bundles->caches[job->any];
     bundle->scene.unit = job->tree->bvh.unit;
     bundle->state.made = bundle->state.given_up = bundle->state.nearer = bundle->state.covered = 0;
-    bundle->state.set_aside = bundle->state.riding = bundle->state.has_reciprocals = 0;
+    bundle->state.set_aside = bundle->state.has_reciprocals = 0;
     bundle->has.begins = 0;
     memset(bundle->state.tests, 0, sizeof bundle->state.tests);
 }
@@ -481,7 +472,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     for (uint32_t left = bundle->state.closed & places; left; left &= left - 1) {
         if (bundle->tile->packets[mlrt_lowest_bit(left)].has.masks) bundle->state.closed &= ~(left & (0u - left));
     }
-    set_wide_packets_aside(job, places, bundle);
+    if (!job->any) set_wide_packets_aside(places, bundle); /* any-hit rays of a wide packet may all end at one wall */
     sum_up_hulls(bundle);
     bundle->far_first = job->any && ends_closer(bundle);
     keep_bundle_waist(&bundle->waist, bundle->cache);
@@ -492,10 +483,10 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
 static void trace_going_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
     traverse_bundle(job, worker, bundle);
-    uint32_t rest = bundle->state.riding;
+    uint32_t rest = 0;
     if (mlrt_count_bits(bundle->state.given_up) > MLRT_MOST_GIVEN_UP) {
         worker->bundles->lane_tiles[job->any] = MLRT_LANE_TILES;
-        rest |= bundle->state.going;
+        rest = bundle->state.going;
     }
     for (uint32_t left = rest; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
