@@ -598,7 +598,10 @@ static void add_reflections(struct ray_list *list, struct random *random, const 
     free_sight(&sight);
 }
 
-/* Sixteen rays from each of the points that are seen, to the side that they are seen from. */
+/*
+ * Sixteen rays from each of the points that are seen, to the side that they are seen from. Those of some points have one
+ * direction, and all of them end at a vertex's plane across an axis, or a float beside it.
+ */
 static void add_hemispheres(struct ray_list *list, struct random *random, const struct fixture *fixture,
                             struct bundle_shape shape)
 {
@@ -606,17 +609,28 @@ static void add_hemispheres(struct ray_list *list, struct random *random, const 
     struct sight sight = look(fixture, &frame, shape);
     const int skips = draw_below(random, 2) != 0;
     const float reach = draw_below(random, 2) ? round_finite(0.1 * draw_length(random, fixture)) : INFINITY;
+    float vertex[3], direction[3];
+    uint32_t axis = 0;
+    int is_one_way = 0;
     for (size_t i = 0; i < shape.count; i++) {
         const size_t from = i - i % 16;
         double n[3], along = 0;
-        float direction[3];
         normal_of_hit(fixture, &sight.hits[from], n);
-        draw_direction(random, direction);
+        if (i == from) {
+            is_one_way = draw_below(random, 4) == 0;
+            axis = draw_below(random, 3);
+            draw_vertex(random, fixture, vertex);
+        }
+        if (i == from || !is_one_way) draw_direction(random, direction);
         for (int k = 0; k < 3; k++) along += (double)direction[k] * n[k];
         const int is_behind = (along > 0) == (sight.hits[from].facing > 0);
         for (int k = 0; k < 3; k++) direction[k] = is_behind ? -direction[k] : direction[k];
         struct reference_ray *ray = add_ray(list, sight.points[from], direction);
         ray->t_max = reach;
+        if (is_one_way && direction[axis] != 0) {
+            const double t = fabs(((double)vertex[axis] - sight.points[from][axis]) / (double)direction[axis]);
+            ray->t_max = next_float(round_finite(t), draw_below(random, 2) ? 1 : -1);
+        }
         if (skips) skip_hit(ray, &sight.hits[from]);
     }
     free_sight(&sight);

@@ -614,7 +614,7 @@ static int load_single(const float *input, int is_any, struct float_test *test)
     if (is_any) {
         struct triangles_from_origin of;
         search.reach = ray.reach;
-        set_up_from_origin(&search, input, 1, &of);
+        set_up_from_origin(&search, input, 1, INFINITY, &of);
         const vf ca[3] = {of.ca[0][0], of.ca[1][0], of.ca[2][0]}, ab[3] = {of.ab[0][0], of.ab[1][0], of.ab[2][0]};
         const vf normal[3] = {of.normal[0][0], of.normal[1][0], of.normal[2][0]};
         set_test_from_origin(ca, ab, normal, ray.direction, of.edge_bound[0], test);
@@ -692,6 +692,37 @@ static double attack_single_t(const float *input)
         worst = fmax(worst, place_in(truth, verdict.lo, verdict.hi));
     }
     return worst;
+}
+
+/* Where lanes of one origin take a plane to be out of reach of a ray: the error of T |D| - |N|, for the ray's end T. */
+static double attack_single_reach(const float *input)
+{
+    static struct lanes_search search;
+    struct triangles_from_origin of;
+    struct float_test test;
+    if (!load_single(input, 1, &test)) return -1;
+    search.reach = 0;
+    for (int k = 0; k < 3; ++k) {
+        search.origin[k] = input[9 + k];
+        search.hull.direction_lo[k] = search.hull.direction_hi[k] = input[12 + k];
+        search.reach = fmaxf(4 * fabsf(input[12 + k]), search.reach);
+    }
+    const double n = fabs((double)test.distance), d = (double)v_flip(test.determinant, test.distance);
+    float end = (float)((n - test.distance_bound) / (d + test.plane_bound));
+    end = end >= 0 && end < 0x1p120f ? next_float(end, 4) : FLT_MAX;
+    for (int step = 0; set_up_from_origin(&search, input, 1, end, &of); ++step) {
+        if (step == 12 || end == 0) return -1;
+        end = next_float(end, -1);
+    }
+    find_d_and_n(other_truth, truth);
+    if (mpf_sgn(truth) == 0) return INFINITY;
+    if (mpf_sgn(truth) < 0) mpf_neg(other_truth, other_truth);
+    mpf_abs(truth, truth);
+    mpf_set_d(scratch[0], end);
+    mpf_mul(other_truth, other_truth, scratch[0]);
+    mpf_sub(truth, other_truth, truth);
+    if (mpf_sgn(truth) >= 0) return INFINITY;
+    return error_over(truth, end * d - n, (double)end * test.plane_bound + test.distance_bound);
 }
 
 /* ---- two tempting bounds ----------------------------------------------------------------------------------------- */
@@ -1328,6 +1359,7 @@ static void single_ray_bounds_hold(void **state)
         {"single: D", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_single_d, 0.15, NULL},
         {"single: N", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_single_n, 0.3, NULL},
         {"single: t", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_single_t, 0.2, NULL},
+        {"lanes: t of a plane", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_single_reach, 0.1, NULL},
     };
     (void)state;
     for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);

@@ -39,6 +39,13 @@
  * product 3 more, and the product with d and its sums 3: that makes 7, and 8 for N. So all bounds of single_ray.h hold,
  * with the greatest |d_k| of all lanes for m. Underflow and overflow are as there, since the cross products are finite.
  *
+ * OUT OF REACH. Let rays of one origin end at T at the latest, and let s be the sign of N. Then none of them hits the
+ * triangle if |N| > T max(0, s D) for all of them: either s D <= 0, so the ray never comes to the plane, or
+ * t = |N| / (s D) > T. The greatest s D is the sum of the greater products of s n_k with the ends of the interval of all
+ * d_k. Roundings are monotone, so this is the D, as computed, of a direction whose components are such ends and at most
+ * m: it has the 7 roundings of D, and the bounds of N and D serve, as in compare_distances. If a product overflows, so
+ * does 4 m F G in the bound of D, and the comparison is false.
+ *
  * Based on: I. Wald, C. Benthin, P. Slusallek, "Interactive Rendering with Coherent Ray Tracing", 2001 (packets against
  * one box); C. Benthin et al., "Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel
  * MIC Architecture", 2012 (the way from packets to single rays).
@@ -78,6 +85,7 @@ struct lanes_hull {
     int agree[3];       /* all d_k have one sign, and none is 0 */
     float lo[3], hi[3]; /* of origins where signs agree, else of all coordinates on the rays */
     float reciprocal_lo[3], reciprocal_hi[3];
+    float direction_lo[3], direction_hi[3]; /* if all rays start at one point */
     float least_t_min;
     float farthest; /* the greatest t where a ray ends, before any hit */
 };
@@ -154,6 +162,10 @@ static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes
             negative |= m_bits(v_lt(d, v_set1(0))) << v;
             zero |= m_bits(v_eq(d, v_set1(0))) << v;
             reach = v_max(v_select(m_from_bits(lanes >> v), v_abs(d), reach), reach);
+        }
+        if (search->one_origin) {
+            search->hull.direction_lo[k] = lowest_of(packet->direction[k], lanes);
+            search->hull.direction_hi[k] = highest_of(packet->direction[k], lanes);
         }
         negative &= lanes;
         search->negative[k] = negative;
@@ -380,12 +392,31 @@ MLRT_INLINE void store_cross_product(const vf cross[3], uint32_t v, float (*rows
     for (int k = 0; k < 3; ++k) v_store(rows[k] + v, cross[k]);
 }
 
-/* Sets the terms of the triangles of a leaf: see "ONE ORIGIN" above. */
-MLRT_INLINE void set_up_from_origin(const struct lanes_search *search, const float *corners, uint32_t row,
-                                    struct triangles_from_origin *terms)
+/*
+ * The triangles of a vector whose planes rays may reach up to `farthest`: see "ONE ORIGIN" above. `test` has N and the
+ * bounds of N and D.
+ */
+MLRT_INLINE uint32_t planes_in_reach(const struct lanes_hull *hull, const vf normal[3], const struct float_test *test,
+                                     float farthest)
 {
+    vf toward = v_set1(0);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vf n = v_flip(normal[k], test->distance);
+        toward = v_add(v_max(v_mul(n, v_set1(hull->direction_lo[k])), v_mul(n, v_set1(hull->direction_hi[k]))), toward);
+    }
+    const vf greatest_d = v_add(toward, test->plane_bound),
+             least_n = v_sub(v_abs(test->distance), test->distance_bound);
+    return ~m_bits(m_and(v_gt(least_n, v_set1(0)), v_gt(least_n, v_mul(greatest_d, v_set1(farthest)))));
+}
+
+/* Sets the terms of the triangles of a leaf: see "ONE ORIGIN" above. Returns those whose planes rays may reach. */
+MLRT_INLINE uint32_t set_up_from_origin(const struct lanes_search *search, const float *corners, uint32_t row,
+                                        float farthest, struct triangles_from_origin *terms)
+{
+    uint32_t reached = 0;
     for (uint32_t v = 0; v < row; v += VW) {
-        vf s[3], f[3], g[3], cross[3];
+        vf s[3], f[3], g[3], cross[3], normal[3];
         struct float_test test;
         MLRT_UNROLL
         for (uint32_t k = 0; k < 3; ++k) {
@@ -400,12 +431,15 @@ MLRT_INLINE void set_up_from_origin(const struct lanes_search *search, const flo
         v_store(terms->distance_bound + v, test.distance_bound);
         cross_product(s, g, cross);
         store_cross_product(cross, v, terms->ca);
-        cross_product(f, g, cross);
-        store_cross_product(cross, v, terms->normal);
+        cross_product(f, g, normal);
+        store_cross_product(normal, v, terms->normal);
         cross_product(f, s, cross);
         store_cross_product(cross, v, terms->ab);
-        v_store(terms->distance + v, dot_product(g, cross));
+        test.distance = dot_product(g, cross);
+        v_store(terms->distance + v, test.distance);
+        reached |= (planes_in_reach(&search->hull, normal, &test, farthest) & ALL_LANES) << v;
     }
+    return reached & ((1u << row) - 1);
 }
 
 /* Sets edge functions and D of a triangle, for a vector of directions. */
@@ -468,7 +502,7 @@ MLRT_INLINE uint32_t lanes_that_see(const struct mlrt_job *job, const struct mlr
 /* Tests lanes of one origin against the triangles of a leaf. Returns the lanes with a nearer hit. */
 static MLRT_NOINLINE uint32_t test_triangles_from_origin(const struct mlrt_job *job,
                                                          const struct triangles_from_origin *terms,
-                                                         const uint32_t *numbers, uint32_t row, uint32_t lanes,
+                                                         const uint32_t *numbers, uint32_t triangles, uint32_t lanes,
                                                          struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     uint32_t all_changed = 0;
@@ -476,7 +510,9 @@ static MLRT_NOINLINE uint32_t test_triangles_from_origin(const struct mlrt_job *
         uint32_t left = lanes & ALL_LANES << v;
         const vf d[3] = {v_load(packet->direction[0] + v), v_load(packet->direction[1] + v),
                          v_load(packet->direction[2] + v)};
-        for (uint32_t i = 0; i < row && numbers[i] != MLRT_NONE && left; ++i) {
+        for (uint32_t some = triangles; some && left; some &= some - 1) {
+            const uint32_t i = mlrt_lowest_bit(some);
+            if (numbers[i] == MLRT_NONE) break;
             const uint32_t seeing = lanes_that_see(job, worker, packet, numbers[i], left);
             if (!seeing) continue;
             COUNT(&worker->counters, triangle_test_count, 1);
@@ -631,8 +667,10 @@ static MLRT_NOINLINE void test_leaf_by_lanes(const struct mlrt_job *job, uint32_
     const uint32_t *numbers = bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf);
     if (search->one_origin && mlrt_count_bits(lanes) > FEW_LANES) {
         struct triangles_from_origin terms;
-        set_up_from_origin(search, corners, row, &terms);
-        const uint32_t changed = test_triangles_from_origin(job, &terms, numbers, row, lanes, packet, worker);
+        const float farthest = job->any ? search->hull.farthest : finite_limit(highest_of(packet->nearest.hi, lanes));
+        const uint32_t reached = set_up_from_origin(search, corners, row, farthest, &terms);
+        if (!reached) return;
+        const uint32_t changed = test_triangles_from_origin(job, &terms, numbers, reached, lanes, packet, worker);
         if (job->any) search->alive &= ~changed;
         return;
     }
