@@ -156,20 +156,20 @@ static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes
     search->one_origin = find_origin(packet, lanes, search->origin);
     vf reach = v_set1(0);
     for (int k = 0; k < 3; ++k) {
-        uint32_t negative = 0, zero = 0;
+        uint32_t negative = 0, positive = 0;
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             const vf d = v_load(packet->direction[k] + v);
             negative |= m_bits(v_lt(d, v_set1(0))) << v;
-            zero |= m_bits(v_eq(d, v_set1(0))) << v;
+            positive |= m_bits(v_gt(d, v_set1(0))) << v;
             reach = v_max(v_select(m_from_bits(lanes >> v), v_abs(d), reach), reach);
         }
+        negative &= lanes;
+        search->negative[k] = negative;
+        search->hull.agree[k] = negative == lanes || (positive & lanes) == lanes;
         if (search->one_origin) {
             search->hull.direction_lo[k] = lowest_of(packet->direction[k], lanes);
             search->hull.direction_hi[k] = highest_of(packet->direction[k], lanes);
         }
-        negative &= lanes;
-        search->negative[k] = negative;
-        search->hull.agree[k] = !(zero & lanes) && (!negative || negative == lanes);
         if (!search->hull.agree[k]) {
             bound_along(packet, lanes, k, search);
             continue;
@@ -393,30 +393,29 @@ MLRT_INLINE void store_cross_product(const vf cross[3], uint32_t v, float (*rows
 }
 
 /*
- * The triangles of a vector whose planes rays may reach up to `farthest`: see "ONE ORIGIN" above. `test` has N and the
+ * The triangles of a vector whose planes no ray reaches up to `farthest`: see "OUT OF REACH" above. `test` has N and the
  * bounds of N and D.
  */
-MLRT_INLINE uint32_t planes_in_reach(const struct lanes_hull *hull, const vf normal[3], const struct float_test *test,
-                                     float farthest)
+MLRT_INLINE uint32_t planes_out_of_reach(const struct lanes_hull *hull, const struct triangles_from_origin *terms,
+                                         uint32_t v, const struct float_test *test, float farthest)
 {
     vf toward = v_set1(0);
-    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        const vf n = v_flip(normal[k], test->distance);
+        const vf n = v_flip(v_load(terms->normal[k] + v), test->distance);
         toward = v_add(v_max(v_mul(n, v_set1(hull->direction_lo[k])), v_mul(n, v_set1(hull->direction_hi[k]))), toward);
     }
-    const vf greatest_d = v_add(toward, test->plane_bound),
-             least_n = v_sub(v_abs(test->distance), test->distance_bound);
-    return ~m_bits(m_and(v_gt(least_n, v_set1(0)), v_gt(least_n, v_mul(greatest_d, v_set1(farthest)))));
+    const vf greatest_d = v_max(v_set1(0), v_add(toward, test->plane_bound)); /* a NaN remains */
+    const vf least_n = v_sub(v_abs(test->distance), test->distance_bound);
+    return m_bits(v_gt(least_n, v_mul(greatest_d, v_set1(farthest))));
 }
 
 /* Sets the terms of the triangles of a leaf: see "ONE ORIGIN" above. Returns those whose planes rays may reach. */
 MLRT_INLINE uint32_t set_up_from_origin(const struct lanes_search *search, const float *corners, uint32_t row,
                                         float farthest, struct triangles_from_origin *terms)
 {
-    uint32_t reached = 0;
+    uint32_t beyond = 0;
     for (uint32_t v = 0; v < row; v += VW) {
-        vf s[3], f[3], g[3], cross[3], normal[3];
+        vf s[3], f[3], g[3], cross[3];
         struct float_test test;
         MLRT_UNROLL
         for (uint32_t k = 0; k < 3; ++k) {
@@ -431,15 +430,15 @@ MLRT_INLINE uint32_t set_up_from_origin(const struct lanes_search *search, const
         v_store(terms->distance_bound + v, test.distance_bound);
         cross_product(s, g, cross);
         store_cross_product(cross, v, terms->ca);
-        cross_product(f, g, normal);
-        store_cross_product(normal, v, terms->normal);
+        cross_product(f, g, cross);
+        store_cross_product(cross, v, terms->normal);
         cross_product(f, s, cross);
         store_cross_product(cross, v, terms->ab);
         test.distance = dot_product(g, cross);
         v_store(terms->distance + v, test.distance);
-        reached |= (planes_in_reach(&search->hull, normal, &test, farthest) & ALL_LANES) << v;
+        beyond |= planes_out_of_reach(&search->hull, terms, v, &test, farthest) << v;
     }
-    return reached & ((1u << row) - 1);
+    return ~beyond & ((1u << row) - 1);
 }
 
 /* Sets edge functions and D of a triangle, for a vector of directions. */
@@ -667,8 +666,7 @@ static MLRT_NOINLINE void test_leaf_by_lanes(const struct mlrt_job *job, uint32_
     const uint32_t *numbers = bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf);
     if (search->one_origin && mlrt_count_bits(lanes) > FEW_LANES) {
         struct triangles_from_origin terms;
-        const float farthest = job->any ? search->hull.farthest : finite_limit(highest_of(packet->nearest.hi, lanes));
-        const uint32_t reached = set_up_from_origin(search, corners, row, farthest, &terms);
+        const uint32_t reached = set_up_from_origin(search, corners, row, search->hull.farthest, &terms);
         if (!reached) return;
         const uint32_t changed = test_triangles_from_origin(job, &terms, numbers, reached, lanes, packet, worker);
         if (job->any) search->alive &= ~changed;
