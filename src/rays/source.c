@@ -176,8 +176,9 @@ MLRT_INLINE uint32_t mask_at(const struct mlrt_source *source, uint32_t i)
     return mask ? mask : MLRT_MASK_ALL;
 }
 
-/* Reads ray i of arrays, as mlrt_read_ray does. */
-MLRT_INLINE void read_ray(const struct mlrt_source *source, uint32_t i, float room[3], struct mlrt_lone_ray *ray)
+/* Reads ray i of arrays of this kind, as mlrt_read_ray does, but for the triangle that it skips. */
+MLRT_INLINE void read_ray(const struct mlrt_source *source, enum mlrt_source_kind kind, uint32_t i, float room[3],
+                          struct mlrt_lone_ray *ray)
 {
     const uint32_t origin = element_of_ray(i, source->arrays.rays_per_origin);
     const float *point = float_at(&source->arrays.points, origin);
@@ -185,13 +186,12 @@ MLRT_INLINE void read_ray(const struct mlrt_source *source, uint32_t i, float ro
     ray->given_direction = source->light;
     ray->t_min = 0;
     ray->t_max = INFINITY;
-    ray->skip = skip_at(source, origin);
     ray->mask = mask_at(source, i);
-    if (source->kind == MLRT_SOURCE_RAYS) {
+    if (kind == MLRT_SOURCE_RAYS) {
         ray->given_direction = float_at(&source->arrays.directions, i);
         if (source->arrays.t_min.data) ray->t_min = *float_at(&source->arrays.t_min, origin);
         if (source->arrays.t_max.data) ray->t_max = *float_at(&source->arrays.t_max, i);
-    } else if (source->kind == MLRT_SOURCE_POINT_LIGHT) {
+    } else if (kind == MLRT_SOURCE_POINT_LIGHT) {
         for (int k = 0; k < 3; ++k) room[k] = point[k] - source->light[k];
         ray->given_origin = source->light;
         ray->given_direction = room;
@@ -201,7 +201,8 @@ MLRT_INLINE void read_ray(const struct mlrt_source *source, uint32_t i, float ro
 
 void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, float room[3], struct mlrt_lone_ray *ray)
 {
-    read_ray(source, i, room, ray);
+    read_ray(source, source->kind, i, room, ray);
+    ray->skip = skip_at(source, element_of_ray(i, source->arrays.rays_per_origin));
 }
 
 int mlrt_are_alike(const struct mlrt_source *source)
@@ -262,30 +263,6 @@ void mlrt_fetch_masks(const struct mlrt_source *source, uint32_t x, uint32_t y, 
         packet->mask[lane] = mask_at(source, ray_of_lane(source, x, y, lanes, lane));
 }
 
-void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
-                       struct mlrt_packet *packet)
-{
-    const int is_rays = source->kind == MLRT_SOURCE_RAYS;
-    packet->has.apex = source->kind == MLRT_SOURCE_POINT_LIGHT;
-    packet->has.skip = source->arrays.skip.data != NULL;
-    packet->has.limits = is_rays && (source->arrays.t_min.data || source->arrays.t_max.data);
-    packet->has.masks = source->has_masks;
-    memcpy(packet->apex, source->light, sizeof packet->apex);
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        struct mlrt_lone_ray ray;
-        float room[3];
-        read_ray(source, ray_of_lane(source, x, y, lanes, lane), room, &ray);
-        for (int k = 0; k < 3; ++k) {
-            packet->origin[k][lane] = ray.given_origin[k];
-            packet->direction[k][lane] = ray.given_direction[k];
-        }
-        packet->t_min[lane] = ray.t_min;
-        packet->t_max[lane] = ray.t_max;
-        packet->skip[lane] = ray.skip;
-        packet->mask[lane] = ray.mask;
-    }
-}
-
 void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
 {
     uint32_t id = packet->skip_mesh[0];
@@ -294,6 +271,48 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
         if (packet->skip_mesh[lane] != id) mesh = mlrt_find_mesh(tree, id = packet->skip_mesh[lane]);
         packet->skip[lane] = number_in_mesh(mesh, packet->skip[lane]);
     }
+}
+
+/* Reads the rays of a block, out of arrays of this kind. */
+MLRT_INLINE void fetch_rays(const struct mlrt_source *source, enum mlrt_source_kind kind, uint32_t x, uint32_t y,
+                            uint32_t lanes, struct mlrt_packet *packet)
+{
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const uint32_t i = ray_of_lane(source, x, y, lanes, lane);
+        struct mlrt_lone_ray ray;
+        float room[3];
+        read_ray(source, kind, i, room, &ray);
+        for (int k = 0; k < 3; ++k) {
+            if (kind != MLRT_SOURCE_POINT_LIGHT) packet->origin[k][lane] = ray.given_origin[k];
+            packet->direction[k][lane] = ray.given_direction[k];
+        }
+        packet->t_min[lane] = ray.t_min;
+        packet->t_max[lane] = ray.t_max;
+        if (packet->has.masks) packet->mask[lane] = ray.mask;
+        if (!packet->has.skip) continue;
+        const float *pair = float_at(&source->arrays.skip, element_of_ray(i, source->arrays.rays_per_origin));
+        memcpy(&packet->skip_mesh[lane], pair, 4);
+        memcpy(&packet->skip[lane], pair + 1, 4);
+    }
+}
+
+void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
+                       struct mlrt_packet *packet)
+{
+    packet->has.apex = packet->has.limits = 0;
+    packet->has.skip = source->arrays.skip.data != NULL;
+    packet->has.masks = source->has_masks;
+    if (source->kind == MLRT_SOURCE_RAYS) {
+        packet->has.limits = source->arrays.t_min.data || source->arrays.t_max.data;
+        fetch_rays(source, MLRT_SOURCE_RAYS, x, y, lanes, packet);
+    } else if (source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT) {
+        fetch_rays(source, MLRT_SOURCE_DIRECTIONAL_LIGHT, x, y, lanes, packet);
+    } else {
+        packet->has.apex = 1;
+        memcpy(packet->apex, source->light, sizeof packet->apex);
+        fetch_rays(source, MLRT_SOURCE_POINT_LIGHT, x, y, lanes, packet);
+    }
+    if (packet->has.skip) mlrt_number_skips(source->tree, packet);
 }
 
 uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes)
