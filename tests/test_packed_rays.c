@@ -515,7 +515,6 @@ static uint32_t compare_tiles(const struct mlrt_source *source, const struct rea
                 const struct mlrt_rectangle block = mlrt_block_of_tile(&tile, place);
                 const uint32_t lanes = mlrt_existing_lanes(source, &block);
                 mlrt_fetch_packet(source, block.x, block.y, lanes, &packet);
-                if (packet.has.skip) mlrt_number_skips(source->tree, &packet);
                 compare_packets(place, lanes, &tile.packets[place], &packet);
                 readers->fetch_block(source, &block, lanes, &packet);
                 readers->check_block(source, lanes, &packet);

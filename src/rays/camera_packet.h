@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The rays of a pinhole camera's block: the formula of camera.h for a vector of pixels at a time, with the same bits.
- */
+/* The rays of a camera's block: the formula of camera.h for a vector of pixels at a time, with the same bits. */
 #ifndef MLRT_RAYS_CAMERA_PACKET_H
 #define MLRT_RAYS_CAMERA_PACKET_H
 
@@ -10,12 +8,14 @@
 #include "rays/check_packet.h"
 #include "simd/simd.h"
 
-static void get_pinhole_packet(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t lanes,
-                               struct mlrt_packet *packet)
+/* Those of a pinhole camera are checked (check_packet.h), those of a parallel one are not. */
+static void get_camera_packet(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t lanes,
+                              struct mlrt_packet *packet)
 {
+    float(*points)[MLRT_PACKET_RAYS] = view->parallel ? packet->origin : packet->direction;
     const vf x0 = v_set1((float)(view->crop.x + x)), y0 = v_set1((float)(view->crop.y + y));
     memcpy(packet->apex, view->eye, sizeof packet->apex);
-    packet->has.apex = 1;
+    packet->has.apex = !view->parallel;
     packet->has.skip = packet->has.masks = 0;
     packet->has.limits = view->t_min > 0;
     struct checked_lanes checked;
@@ -25,11 +25,13 @@ static void get_pinhole_packet(const struct mlrt_view *view, uint32_t x, uint32_
         MLRT_UNROLL
         for (int k = 0; k < 3; ++k) {
             const vf row = v_add(v_set1(view->d00[k]), v_mul(xs, v_set1(view->dx[k])));
-            const vf d = v_add(row, v_mul(ys, v_set1(view->dy[k])));
-            v_store(packet->direction[k] + v, v_add(d, v_set1(0))); /* -0 becomes 0 */
+            const vf p = v_add(row, v_mul(ys, v_set1(view->dy[k])));
+            if (view->parallel) v_store(packet->direction[k] + v, v_set1(view->direction[k]));
+            v_store(points[k] + v, v_add(p, v_set1(0))); /* -0 becomes 0 */
         }
         take_limits(v_set1(view->t_min), v_set1(view->t_max), v, packet);
     }
+    if (view->parallel) return;
     check_lanes(packet->direction, &checked);
     const uint32_t valid = view->t_min < view->t_max ? lanes & checked.finite & checked.nonzero : 0;
     packet->active = view->eye_is_safe ? valid & checked.safe : 0;

@@ -15,8 +15,8 @@
 static void fetch_block(const struct mlrt_source *source, const struct mlrt_rectangle *block, uint32_t lanes,
                         struct mlrt_packet *packet)
 {
-    if (mlrt_is_pinhole(source)) {
-        get_pinhole_packet(&source->view, block->x, block->y, lanes, packet);
+    if (source->kind == MLRT_SOURCE_CAMERA) {
+        get_camera_packet(&source->view, block->x, block->y, lanes, packet);
         if (MLRT_UNLIKELY(source->has_masks)) mlrt_fetch_masks(source, block->x, block->y, lanes, packet);
     } else {
         mlrt_fetch_packet(source, block->x, block->y, lanes, packet);
@@ -25,9 +25,7 @@ static void fetch_block(const struct mlrt_source *source, const struct mlrt_rect
 
 static void check_block(const struct mlrt_source *source, uint32_t lanes, struct mlrt_packet *packet)
 {
-    if (mlrt_is_pinhole(source)) return;
-    if (packet->has.skip) mlrt_number_skips(source->tree, packet);
-    check_packet(lanes, packet);
+    if (!mlrt_is_pinhole(source)) check_packet(lanes, packet);
 }
 
 #endif

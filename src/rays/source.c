@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sources of rays: reads their rays one by one, or those of a block into a packet, element by element: arrays are
+ * Sources of rays: reads their rays one by one, alone or into the packet of a block, element by element: arrays are
  * aligned to 4 bytes only and have any stride, and no byte outside their elements may be read. read_arrays.h reads
- * whole blocks of most arrays with vectors. check_packet.h checks the rays that were read.
+ * whole blocks of most arrays with vectors, camera_packet.h makes those of cameras. check_packet.h checks the rays.
  */
 #include "rays/source.h"
 
@@ -169,22 +169,16 @@ static uint32_t skip_at(const struct mlrt_source *source, uint32_t element)
     return mlrt_triangle_number(source->tree, pair[0], pair[1]);
 }
 
-static uint32_t mask_at(const struct mlrt_source *source, uint32_t i)
+MLRT_INLINE uint32_t mask_at(const struct mlrt_source *source, uint32_t i)
 {
     if (!source->arrays.mask.data) return source->common_mask;
     const uint32_t mask = *(const uint32_t *)(const void *)float_at(&source->arrays.mask, i);
     return mask ? mask : MLRT_MASK_ALL;
 }
 
-static int get_camera_ray(const struct mlrt_view *view, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray)
-{
-    float p[3];
-    mlrt_view_point(view, x, y, p);
-    return view->parallel ? mlrt_make_segment(p, view->direction, view->t_min, view->t_max, ray)
-                          : mlrt_make_segment(view->eye, p, view->t_min, view->t_max, ray);
-}
-
-void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, float room[3], struct mlrt_lone_ray *ray)
+/* Reads ray i of arrays of this kind, as mlrt_read_ray does, but for the triangle that it skips. */
+MLRT_INLINE void read_ray(const struct mlrt_source *source, enum mlrt_source_kind kind, uint32_t i, float room[3],
+                          struct mlrt_lone_ray *ray)
 {
     const uint32_t origin = element_of_ray(i, source->arrays.rays_per_origin);
     const float *point = float_at(&source->arrays.points, origin);
@@ -192,18 +186,23 @@ void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, float room[3], 
     ray->given_direction = source->light;
     ray->t_min = 0;
     ray->t_max = INFINITY;
-    ray->skip = skip_at(source, origin);
     ray->mask = mask_at(source, i);
-    if (source->kind == MLRT_SOURCE_RAYS) {
+    if (kind == MLRT_SOURCE_RAYS) {
         ray->given_direction = float_at(&source->arrays.directions, i);
         if (source->arrays.t_min.data) ray->t_min = *float_at(&source->arrays.t_min, origin);
         if (source->arrays.t_max.data) ray->t_max = *float_at(&source->arrays.t_max, i);
-    } else if (source->kind == MLRT_SOURCE_POINT_LIGHT) {
+    } else if (kind == MLRT_SOURCE_POINT_LIGHT) {
         for (int k = 0; k < 3; ++k) room[k] = point[k] - source->light[k];
         ray->given_origin = source->light;
         ray->given_direction = room;
         ray->t_max = 1;
     }
+}
+
+void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, float room[3], struct mlrt_lone_ray *ray)
+{
+    read_ray(source, source->kind, i, room, ray);
+    ray->skip = skip_at(source, element_of_ray(i, source->arrays.rays_per_origin));
 }
 
 int mlrt_are_alike(const struct mlrt_source *source)
@@ -222,146 +221,46 @@ int mlrt_are_alike(const struct mlrt_source *source)
     return have_origin || all == common;
 }
 
+static int get_camera_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray)
+{
+    const struct mlrt_view *view = &source->view;
+    float p[3];
+    mlrt_view_point(view, x, y, p);
+    ray->mask = source->common_mask;
+    return view->parallel ? mlrt_make_segment(p, view->direction, view->t_min, view->t_max, ray)
+                          : mlrt_make_segment(view->eye, p, view->t_min, view->t_max, ray);
+}
+
 int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray, uint32_t *skip)
 {
-    if (skip) *skip = MLRT_NONE;
-    if (source->kind == MLRT_SOURCE_CAMERA) {
-        if (!get_camera_ray(&source->view, x, y, ray)) return 0;
-        ray->mask = source->common_mask;
-        return 1;
-    }
     const uint64_t position = (uint64_t)y * source->width + x;
-    if (position >= source->count) return 0;
     struct mlrt_lone_ray given;
     float room[3];
+    if (skip) *skip = MLRT_NONE;
+    if (source->kind == MLRT_SOURCE_CAMERA) return get_camera_ray(source, x, y, ray);
+    if (position >= source->count) return 0;
     mlrt_read_ray(source, (uint32_t)position, room, &given);
     if (skip) *skip = given.skip;
-    if (!mlrt_make_segment(given.given_origin, given.given_direction, given.t_min, given.t_max, ray)) return 0;
-    ray->mask = given.mask;
-    return 1;
+    return mlrt_get_lone_segment(&given, ray);
 }
 
 /* ---- packets ---- */
 
-/*
- * The elements of a block's lanes, in arrays with one for each ray and in those with one for each origin. Lanes that do
- * not exist have those of the block's first ray, or if no lane exists, of ray 0.
- */
-struct block {
-    uint32_t of_ray[MLRT_PACKET_RAYS];
-    uint32_t of_origin[MLRT_PACKET_RAYS];
-};
-
-static void find_elements(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes, struct block *block)
+/* The ray of a block's lane. A lane that does not exist has the block's first ray; without lanes, all have ray 0. */
+MLRT_INLINE uint32_t ray_of_lane(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
+                                 uint32_t lane)
 {
     const uint32_t first = lanes ? y * source->width + x : 0;
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const uint32_t column = (lane & 1) | (lane >> 1 & 2), row = (lane >> 1 & 1) | (lane >> 2 & 2);
-        block->of_ray[lane] = first + (lanes >> lane & 1 ? row * source->width + column : 0);
-        block->of_origin[lane] = element_of_ray(block->of_ray[lane], source->arrays.rays_per_origin);
-    }
-}
-
-/* Reads elements of `word_count` words: word k of lane l to words[k][l]. */
-MLRT_INLINE void fetch_words(const mlrt_const_array *array, const uint32_t elements[MLRT_PACKET_RAYS], int word_count,
-                             float (*words)[MLRT_PACKET_RAYS])
-{
-    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const float *element = float_at(array, elements[lane]);
-        MLRT_UNROLL
-        for (int k = 0; k < word_count; ++k) memcpy(&words[k][lane], element + k, 4);
-    }
-}
-
-static void fetch_vectors(const mlrt_const_array *array, const uint32_t elements[MLRT_PACKET_RAYS],
-                          float vectors[3][MLRT_PACKET_RAYS])
-{
-    fetch_words(array, elements, 3, vectors);
-}
-
-MLRT_INLINE void fill(float value, float numbers[MLRT_PACKET_RAYS])
-{
-    for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4) f4_store(numbers + lane, f4_set1(value));
-}
-
-/* Reads the numbers of a block; without an array, all are `standard`. */
-static void fetch_numbers(const mlrt_const_array *array, const uint32_t elements[MLRT_PACKET_RAYS], float standard,
-                          float numbers[MLRT_PACKET_RAYS])
-{
-    if (array->data)
-        fetch_words(array, elements, 1, (float(*)[MLRT_PACKET_RAYS])(void *)numbers);
-    else
-        fill(standard, numbers);
-}
-
-static void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t y, struct mlrt_packet *packet)
-{
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        float p[3];
-        mlrt_view_point(view, x + (uint32_t)mlrt_lane_x[lane], y + (uint32_t)mlrt_lane_y[lane], p);
-        for (int k = 0; k < 3; ++k) {
-            packet->origin[k][lane] = view->parallel ? p[k] : view->eye[k];
-            packet->direction[k][lane] = view->parallel ? view->direction[k] : p[k];
-        }
-    }
-    fill(view->t_min, packet->t_min);
-    fill(view->t_max, packet->t_max);
-}
-
-static void fetch_light_rays(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
-{
-    const int is_point = source->kind == MLRT_SOURCE_POINT_LIGHT;
-    fetch_vectors(&source->arrays.points, block->of_ray, is_point ? packet->direction : packet->origin);
-    for (int k = 0; k < 3; ++k) {
-        const f4 light = f4_set1(source->light[k]);
-        float *direction = packet->direction[k];
-        for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4)
-            f4_store(direction + lane, is_point ? f4_sub(f4_load(direction + lane), light) : light);
-    }
-    fill(0, packet->t_min);
-    fill(is_point ? 1 : INFINITY, packet->t_max);
-    packet->has.apex = is_point;
-    memcpy(packet->apex, source->light, sizeof packet->apex);
+    const uint32_t column = (lane & 1) | (lane >> 1 & 2), row = (lane >> 1 & 1) | (lane >> 2 & 2);
+    return first + (lanes >> lane & 1 ? row * source->width + column : 0);
 }
 
 void mlrt_fetch_masks(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                       struct mlrt_packet *packet)
 {
-    struct block block;
-    if (source->arrays.mask.data) find_elements(source, x, y, lanes, &block);
     packet->has.masks = 1;
-    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane)
-        packet->mask[lane] = source->arrays.mask.data ? mask_at(source, block.of_ray[lane]) : source->common_mask;
-}
-
-void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
-                       struct mlrt_packet *packet)
-{
-    packet->has.apex = packet->has.skip = packet->has.limits = 0;
-    packet->has.masks = 0;
-    if (MLRT_UNLIKELY(source->has_masks)) mlrt_fetch_masks(source, x, y, lanes, packet);
-    if (source->kind == MLRT_SOURCE_CAMERA) {
-        packet->has.limits = source->view.t_min > 0;
-        fetch_camera_rays(&source->view, x, y, packet);
-        return;
-    }
-    struct block block;
-    find_elements(source, x, y, lanes, &block);
-    if (source->kind == MLRT_SOURCE_RAYS) {
-        packet->has.limits = source->arrays.t_min.data || source->arrays.t_max.data;
-        fetch_vectors(&source->arrays.points, block.of_origin, packet->origin);
-        fetch_vectors(&source->arrays.directions, block.of_ray, packet->direction);
-        fetch_numbers(&source->arrays.t_min, block.of_origin, 0, packet->t_min);
-        fetch_numbers(&source->arrays.t_max, block.of_ray, INFINITY, packet->t_max);
-    } else {
-        fetch_light_rays(source, &block, packet);
-    }
-    packet->has.skip = source->arrays.skip.data != NULL;
-    for (int lane = 0; packet->has.skip && lane < MLRT_PACKET_RAYS; ++lane) {
-        const float *pair = float_at(&source->arrays.skip, block.of_origin[lane]);
-        memcpy(&packet->skip_mesh[lane], pair, 4);
-        memcpy(&packet->skip[lane], pair + 1, 4);
-    }
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane)
+        packet->mask[lane] = mask_at(source, ray_of_lane(source, x, y, lanes, lane));
 }
 
 void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
@@ -372,6 +271,48 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
         if (packet->skip_mesh[lane] != id) mesh = mlrt_find_mesh(tree, id = packet->skip_mesh[lane]);
         packet->skip[lane] = number_in_mesh(mesh, packet->skip[lane]);
     }
+}
+
+/* Reads the rays of a block, out of arrays of this kind. */
+MLRT_INLINE void fetch_rays(const struct mlrt_source *source, enum mlrt_source_kind kind, uint32_t x, uint32_t y,
+                            uint32_t lanes, struct mlrt_packet *packet)
+{
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const uint32_t i = ray_of_lane(source, x, y, lanes, lane);
+        struct mlrt_lone_ray ray;
+        float room[3];
+        read_ray(source, kind, i, room, &ray);
+        for (int k = 0; k < 3; ++k) {
+            if (kind != MLRT_SOURCE_POINT_LIGHT) packet->origin[k][lane] = ray.given_origin[k];
+            packet->direction[k][lane] = ray.given_direction[k];
+        }
+        packet->t_min[lane] = ray.t_min;
+        packet->t_max[lane] = ray.t_max;
+        if (packet->has.masks) packet->mask[lane] = ray.mask;
+        if (!packet->has.skip) continue;
+        const float *pair = float_at(&source->arrays.skip, element_of_ray(i, source->arrays.rays_per_origin));
+        memcpy(&packet->skip_mesh[lane], pair, 4);
+        memcpy(&packet->skip[lane], pair + 1, 4);
+    }
+}
+
+void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
+                       struct mlrt_packet *packet)
+{
+    packet->has.apex = packet->has.limits = 0;
+    packet->has.skip = source->arrays.skip.data != NULL;
+    packet->has.masks = source->has_masks;
+    if (source->kind == MLRT_SOURCE_RAYS) {
+        packet->has.limits = source->arrays.t_min.data || source->arrays.t_max.data;
+        fetch_rays(source, MLRT_SOURCE_RAYS, x, y, lanes, packet);
+    } else if (source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT) {
+        fetch_rays(source, MLRT_SOURCE_DIRECTIONAL_LIGHT, x, y, lanes, packet);
+    } else {
+        packet->has.apex = 1;
+        memcpy(packet->apex, source->light, sizeof packet->apex);
+        fetch_rays(source, MLRT_SOURCE_POINT_LIGHT, x, y, lanes, packet);
+    }
+    if (packet->has.skip) mlrt_number_skips(source->tree, packet);
 }
 
 uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes)

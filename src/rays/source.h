@@ -113,9 +113,9 @@ static inline int mlrt_is_pinhole(const struct mlrt_source *source)
 }
 
 /*
- * Reads the numbers of a block of at most 4x4 rays at (x, y), of any kind of source, as they are given: direction,
- * origin, t_min, t_max, mask, skip_mesh, skip and `has` of a packet. Packets of a point light have its apex in place of
- * origins. `lanes` are those that exist, the first among them, or none; other lanes are not specified. Checks nothing:
+ * Reads the numbers of a block of at most 4x4 rays of arrays at (x, y), as they are given, one ray after
+ * the other: direction, origin, t_min, t_max, mask, skip and `has` of a packet. Packets of a point light have its apex
+ * as well. `lanes` are those that exist, the first among them, or none; other lanes are not specified. Checks nothing:
  * check_packet.h does.
  */
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,

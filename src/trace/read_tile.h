@@ -30,7 +30,6 @@ static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile 
             const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
             lanes = mlrt_existing_lanes(source, &block);
             fetch_block(source, &block, lanes, packet);
-            if (packet->has.skip) mlrt_number_skips(source->tree, packet);
         }
         if (mlrt_is_pinhole(source)) continue;
         packet->active = lanes;
