@@ -3,10 +3,9 @@
  * The thresholds of the decisions that the default method takes while it traces, and those of the builder. They are
  * macros that the compiler's command line can set, so that a sweep (examples/bench/sweep.py) can compare other values.
  *
- * "Sweep" below stands for its table in docs/performance.md, "What tiles decide by themselves": the speed with another
- * value over that with the value here, the least and the greatest of six scenes (AVX2, one thread). Repeating the sweep
- * with the values as they are gives 0.99 to 1.07, so only figures beyond that say something. The sweep is from
- * before bundles.
+ * Figures are the speed with another value over that with the value here. Those of today's sweep are tables of
+ * docs/performance.md, "What tiles decide by themselves". "Sweep" below is an older one, from before bundles: the least
+ * and the greatest of six scenes (AVX2, one thread), where the values as they are, once more, gave 0.99 to 1.07.
  *
  * A cell of a camera (a packet of a tile of 16x16, or a tile of a square of 64x64) is closed while its rays are not
  * made, and open once they are.
@@ -42,8 +41,7 @@
 
 /*
  * A packet this many times as wide as most packets of its tile goes lane by lane, where the nearest hit is asked for.
- * With no limit, reflections have 0.97 to 0.99 of the speed (seven scenes). Where any hit will do there is no limit: with
- * one, rays to a sun had 0.85 to 0.93 of the speed in six scenes of seven, and rays to a light 0.94 to 1.02.
+ * Where any hit will do, there is no limit (docs/tried.md, "Bundles").
  */
 #ifndef MLRT_WIDE_FACTOR
 #define MLRT_WIDE_FACTOR 4.0f
@@ -63,9 +61,8 @@
  * node, at most FEW_LEAF_RAYS through a leaf that is not set up. MANY_PACKETS of 17: never.
  *
  * Instructions with AVX2 (docs/tried.md, "Bundles"): 24 rays take 3 % more in dragon_x9, no rays of
- * leaves 12 %, 2 packets 13 %; 16 packets take 9 to 10 % more in dragon and conference. Sweep, FEW_RAYS 16 or 64: 0.97 to
- * 1.04. Rules that only scenes of small triangles need: camera rays of cruiser have 0.90 of the speed with MANY_PACKETS
- * 17, and with FEW_LEAF_RAYS 0 0.95, as those of a refined dragon.
+ * leaves 12 %, 2 packets 13 %; 16 packets take 9 to 10 % more in dragon and conference. Sweep, FEW_RAYS 16 or 64:
+ * 0.97 to 1.04. Only scenes of small triangles, such as cruiser, need these rules.
  */
 #ifndef MLRT_MANY_PACKETS
 #define MLRT_MANY_PACKETS 8
@@ -83,8 +80,8 @@
 
 /*
  * A packet that has been tested in vain against more triangles than this goes on lane by lane. With 40 or 160, rays of
- * arrays have 0.87 to 1.02 of the speed (conference, dragon, cruiser). With no limit, reflections of dragon have 0.27, of
- * cruiser 0.58 of the speed.
+ * arrays have 0.87 to 1.02 of the speed (conference, dragon, cruiser). With no limit, reflections of small triangles
+ * have a quarter of the speed.
  */
 #ifndef MLRT_MOST_TESTS
 #define MLRT_MOST_TESTS 96

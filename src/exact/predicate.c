@@ -60,15 +60,12 @@
 #include "exact/big_numbers.h"
 #include "exact/grid.h"
 #include "exact/rounding.h"
+#include "exact/vector.h"
 
 #define SIGN_ERROR  (10 * MLRT_UNIT_ROUNDOFF)
 #define ORDER_ERROR (18 * MLRT_UNIT_ROUNDOFF)
 
 /* ---- in double --------------------------------------------------------------------------------------------------- */
-
-struct vector {
-    double x, y, z;
-};
 
 /* A computed value, and the size that its error is relative to. */
 struct measured {
@@ -76,42 +73,18 @@ struct measured {
     double size;
 };
 
-MLRT_INLINE struct vector vector_of(const float v[3])
-{
-    return (struct vector){v[0], v[1], v[2]};
-}
-
-MLRT_INLINE struct vector subtract(struct vector v, struct vector w)
-{
-    return (struct vector){v.x - w.x, v.y - w.y, v.z - w.z};
-}
-
-MLRT_INLINE struct vector cross(struct vector v, struct vector w)
-{
-    return (struct vector){v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x};
-}
-
-MLRT_INLINE double dot(struct vector v, struct vector w)
-{
-    return v.x * w.x + v.y * w.y + v.z * w.z;
-}
-
-MLRT_INLINE double size_of(struct vector v)
-{
-    return fabs(v.x) + fabs(v.y) + fabs(v.z);
-}
-
 /* n = (b - a) x (c - a), and the product of the sizes of its factors. */
 struct normal {
-    struct vector n;
+    struct mlrt_vector n;
     double size;
 };
 
 MLRT_INLINE struct normal normal_of(const struct mlrt_triangle *triangle)
 {
-    const struct vector a = vector_of(triangle->v[0]);
-    const struct vector ab = subtract(vector_of(triangle->v[1]), a), ac = subtract(vector_of(triangle->v[2]), a);
-    return (struct normal){cross(ab, ac), size_of(ab) * size_of(ac)};
+    const struct mlrt_vector a = mlrt_vector_at(triangle->v[0], 1);
+    const struct mlrt_vector ab = mlrt_subtract(mlrt_vector_at(triangle->v[1], 1), a),
+                             ac = mlrt_subtract(mlrt_vector_at(triangle->v[2], 1), a);
+    return (struct normal){mlrt_cross(ab, ac), mlrt_size_of(ab) * mlrt_size_of(ac)};
 }
 
 /* The sign of a value whose error is at most error * size. 0: not certain, as for every value that is truly 0. */
@@ -124,7 +97,7 @@ MLRT_INLINE int certain_sign(struct measured measured, double error)
 
 /* The vectors of the determinants of the hit rule, and their sizes. */
 struct operands {
-    struct vector ab, ac, direction, to_a;
+    struct mlrt_vector ab, ac, direction, to_a;
     double ab_size, ac_size, direction_size, to_a_size;
 };
 
@@ -132,15 +105,15 @@ MLRT_INLINE struct operands load_operands(const float origin[3], const float dir
                                           const struct mlrt_triangle *triangle)
 {
     struct operands operands;
-    struct vector a = vector_of(triangle->v[0]);
-    operands.ab = subtract(vector_of(triangle->v[1]), a);
-    operands.ac = subtract(vector_of(triangle->v[2]), a);
-    operands.direction = vector_of(direction);
-    operands.to_a = subtract(a, vector_of(origin));
-    operands.ab_size = size_of(operands.ab);
-    operands.ac_size = size_of(operands.ac);
-    operands.direction_size = size_of(operands.direction);
-    operands.to_a_size = size_of(operands.to_a);
+    struct mlrt_vector a = mlrt_vector_at(triangle->v[0], 1);
+    operands.ab = mlrt_subtract(mlrt_vector_at(triangle->v[1], 1), a);
+    operands.ac = mlrt_subtract(mlrt_vector_at(triangle->v[2], 1), a);
+    operands.direction = mlrt_vector_at(direction, 1);
+    operands.to_a = mlrt_subtract(a, mlrt_vector_at(origin, 1));
+    operands.ab_size = mlrt_size_of(operands.ab);
+    operands.ac_size = mlrt_size_of(operands.ac);
+    operands.direction_size = mlrt_size_of(operands.direction);
+    operands.to_a_size = mlrt_size_of(operands.to_a);
     return operands;
 }
 
@@ -151,10 +124,10 @@ struct two_edges {
 
 MLRT_INLINE struct two_edges measure_edges(const struct operands *operands)
 {
-    struct vector moment = cross(operands->direction, operands->to_a);
+    struct mlrt_vector moment = mlrt_cross(operands->direction, operands->to_a);
     double moment_size = operands->direction_size * operands->to_a_size;
-    return (struct two_edges){{dot(moment, operands->ab), moment_size * operands->ab_size},
-                              {-dot(moment, operands->ac), moment_size * operands->ac_size}};
+    return (struct two_edges){{mlrt_dot(moment, operands->ab), moment_size * operands->ab_size},
+                              {-mlrt_dot(moment, operands->ac), moment_size * operands->ac_size}};
 }
 
 /* D and N: where the ray's line crosses the plane, t = N / D. */
@@ -164,10 +137,10 @@ struct crossing {
 
 MLRT_INLINE struct crossing measure_crossing(const struct operands *operands)
 {
-    struct vector normal = cross(operands->ab, operands->ac);
+    struct mlrt_vector normal = mlrt_cross(operands->ab, operands->ac);
     double normal_size = operands->ab_size * operands->ac_size;
-    return (struct crossing){{dot(operands->direction, normal), operands->direction_size * normal_size},
-                             {dot(operands->to_a, normal), operands->to_a_size * normal_size}};
+    return (struct crossing){{mlrt_dot(operands->direction, normal), operands->direction_size * normal_size},
+                             {mlrt_dot(operands->to_a, normal), operands->to_a_size * normal_size}};
 }
 
 /* D and N of a ray and a triangle. Not inlined: that would take 2 kB and gain no time that can be measured. */
@@ -314,7 +287,7 @@ int mlrt_triangle_has_area(const struct mlrt_triangle *triangle)
 {
     const struct normal normal = normal_of(triangle);
     // Components have 4 factors, the size has 7. A size of 0 is exact: two vertices are equal.
-    if (size_of(normal.n) > 3 * SIGN_ERROR * normal.size) return 1; // a component is above SIGN_ERROR * size
+    if (mlrt_size_of(normal.n) > 3 * SIGN_ERROR * normal.size) return 1; // a component is above SIGN_ERROR * size
     return normal.size > 0 && has_area_exactly(triangle);
 }
 
@@ -328,16 +301,16 @@ static MLRT_NOINLINE int side_of_plane_exactly(const struct mlrt_triangle *trian
 }
 
 /* The sign of v . n; 0 if double cannot tell. `size` is that of v, or those of its summands. */
-static int certain_side(const struct mlrt_triangle *triangle, struct vector v, double size)
+static int certain_side(const struct mlrt_triangle *triangle, struct mlrt_vector v, double size)
 {
     const struct normal normal = normal_of(triangle);
-    return certain_sign((struct measured){dot(v, normal.n), size * normal.size}, SIGN_ERROR);
+    return certain_sign((struct measured){mlrt_dot(v, normal.n), size * normal.size}, SIGN_ERROR);
 }
 
 static int certain_side_of_point(const struct mlrt_triangle *triangle, const float point[3])
 {
-    const struct vector v = subtract(vector_of(point), vector_of(triangle->v[0]));
-    return certain_side(triangle, v, size_of(v));
+    const struct mlrt_vector v = mlrt_subtract(mlrt_vector_at(point, 1), mlrt_vector_at(triangle->v[0], 1));
+    return certain_side(triangle, v, mlrt_size_of(v));
 }
 
 int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3])
@@ -361,10 +334,11 @@ static MLRT_NOINLINE int side_of_sum_exactly(const struct mlrt_triangle *triangl
 
 int mlrt_side_of_sum(const struct mlrt_triangle *triangle, const float from[3], const float by[3])
 {
-    const struct vector to_from = subtract(vector_of(from), vector_of(triangle->v[0])), step = vector_of(by);
-    const struct vector v = {to_from.x + step.x, to_from.y + step.y, to_from.z + step.z};
+    const struct mlrt_vector to_from = mlrt_subtract(mlrt_vector_at(from, 1), mlrt_vector_at(triangle->v[0], 1)),
+                             step = mlrt_vector_at(by, 1);
+    const struct mlrt_vector v = {to_from.x + step.x, to_from.y + step.y, to_from.z + step.z};
     // A component of v has 2 factors, so the determinant has 9, relative to the sizes of the two summands of v.
-    const int side = certain_side(triangle, v, size_of(to_from) + size_of(step));
+    const int side = certain_side(triangle, v, mlrt_size_of(to_from) + mlrt_size_of(step));
     return side != 0 ? side : side_of_sum_exactly(triangle, from, by);
 }
 
@@ -377,7 +351,7 @@ static MLRT_NOINLINE int facing_of_normal_exactly(const struct mlrt_triangle *tr
 
 int mlrt_facing(const struct mlrt_triangle *triangle, const float direction[3])
 {
-    int sign = certain_side(triangle, vector_of(direction), size_of(vector_of(direction)));
+    int sign = certain_side(triangle, mlrt_vector_at(direction, 1), mlrt_size_of(mlrt_vector_at(direction, 1)));
     if (sign != 0) return sign;
     for (uint32_t axis = 0; axis < 3; ++axis) {
         if (direction[axis] == 0 && mlrt_is_across(triangle, axis)) return 0; /* such as a wall under vertical light */

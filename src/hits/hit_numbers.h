@@ -41,6 +41,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "exact/vector.h"
 #include "job/hit_terms.h"
 #include "hits/outcome.h"
 #include "job/write_arrays.h"
@@ -391,36 +392,6 @@ static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet
     if (hit != 0xFFFF) report_misses(hit, values);
 }
 
-/* Vectors of one ray. Their components are computed one by one, as equal lanes of vectors would gain nothing. */
-struct point3 {
-    double x, y, z;
-};
-
-MLRT_INLINE struct point3 point3_at(const float *first, size_t step)
-{
-    return (struct point3){first[0], first[step], first[2 * step]};
-}
-
-MLRT_INLINE struct point3 point3_from(struct point3 from, struct point3 to)
-{
-    return (struct point3){to.x - from.x, to.y - from.y, to.z - from.z};
-}
-
-MLRT_INLINE struct point3 point3_cross(struct point3 v, struct point3 w)
-{
-    return (struct point3){v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x};
-}
-
-MLRT_INLINE double point3_dot(struct point3 v, struct point3 w)
-{
-    return v.x * w.x + v.y * w.y + v.z * w.z;
-}
-
-MLRT_INLINE double point3_size(struct point3 v)
-{
-    return fabs(v.x) + fabs(v.y) + fabs(v.z);
-}
-
 /* Rounds a quotient to a float. Returns whether it is certain, where the quotient is off by `width` at most. */
 MLRT_INLINE int round_quotient(double quotient, double width, float *rounded)
 {
@@ -428,28 +399,31 @@ MLRT_INLINE int round_quotient(double quotient, double width, float *rounded)
     return MLRT_GUESS || (float)(quotient - width) == *rounded;
 }
 
-/* The numbers of one ray's hit. Returns 0 if the judge has to compute them; then those in *report have no meaning. */
+/*
+ * The numbers of one ray's hit, in plain doubles: equal lanes of vectors would gain nothing. Returns 0 if the judge has to
+ * compute them; then those in *report have no meaning.
+ */
 MLRT_INLINE int report_one_ray(const struct mlrt_corners *of, const float origin[3], const float direction[3],
                                struct mlrt_hit_report *report)
 {
     const size_t row = of->row;
-    const struct point3 a = point3_at(of->corner, row), d = point3_at(direction, 1);
-    const struct point3 p = point3_from(point3_at(origin, 1), a);
-    const struct point3 ac = point3_from(a, point3_at(of->corner + 6 * row, row));
-    const struct point3 ba = point3_from(point3_at(of->corner + 3 * row, row), a);
-    const struct point3 normal = point3_cross(ac, ba), moment = point3_cross(p, d);
-    const double determinant = point3_dot(d, normal), n = point3_dot(p, normal);
+    const struct mlrt_vector a = mlrt_vector_at(of->corner, row), d = mlrt_vector_at(direction, 1);
+    const struct mlrt_vector p = mlrt_subtract(a, mlrt_vector_at(origin, 1));
+    const struct mlrt_vector ac = mlrt_subtract(mlrt_vector_at(of->corner + 6 * row, row), a);
+    const struct mlrt_vector ba = mlrt_subtract(a, mlrt_vector_at(of->corner + 3 * row, row));
+    const struct mlrt_vector normal = mlrt_cross(ac, ba), moment = mlrt_cross(p, d);
+    const double determinant = mlrt_dot(d, normal), n = mlrt_dot(p, normal);
     const double inverse = 1 / determinant, size = fabs(inverse);
-    const double p_size = point3_size(p), d_size = point3_size(d);
-    const double ac_size = point3_size(ac), ba_size = point3_size(ba), normal_size = ac_size * ba_size;
+    const double p_size = mlrt_size_of(p), d_size = mlrt_size_of(d);
+    const double ac_size = mlrt_size_of(ac), ba_size = mlrt_size_of(ba), normal_size = ac_size * ba_size;
     const double n_width =
         MLRT_NUMERATOR_ERROR * p_size * normal_size + MLRT_DENOMINATOR_ERROR * MLRT_GREATEST_D_SIZE * fabs(n);
     const double edge_error = MLRT_NUMERATOR_ERROR * p_size * d_size,
                  d_error = MLRT_DENOMINATOR_ERROR * d_size * normal_size;
     int certain = d_size * normal_size * size < MLRT_GREATEST_D_SIZE;
     certain &= round_quotient(n * inverse, n_width * size, &report->t);
-    certain &= round_quotient(point3_dot(ac, moment) * inverse, (edge_error * ac_size + d_error) * size, &report->u);
-    certain &= round_quotient(point3_dot(ba, moment) * inverse, (edge_error * ba_size + d_error) * size, &report->v);
+    certain &= round_quotient(mlrt_dot(ac, moment) * inverse, (edge_error * ac_size + d_error) * size, &report->u);
+    certain &= round_quotient(mlrt_dot(ba, moment) * inverse, (edge_error * ba_size + d_error) * size, &report->v);
     report->facing = determinant > 0 ? 1 : -1;
     return certain;
 }

@@ -32,7 +32,8 @@ MLRT_INLINE struct mlrt_rectangle tile_of_cell(const struct mlrt_rectangle *area
 }
 
 /* The first element of a block of a tile whose rays are whole rows of sixteen. */
-MLRT_INLINE size_t element_of_block(const struct mlrt_array_cells *cells, const struct mlrt_rectangle *tile, uint32_t block)
+MLRT_INLINE size_t element_of_block(const struct mlrt_array_cells *cells, const struct mlrt_rectangle *tile,
+                                    uint32_t block)
 {
     return ((size_t)tile->y + (block & ~3u)) * cells->reader.source->width + tile->x + 4 * (block & 3);
 }
