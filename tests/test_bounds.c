@@ -714,6 +714,7 @@ static double attack_single_reach(const float *input)
         if (step == 12 || end == 0) return -1;
         end = next_float(end, -1);
     }
+    if (!isfinite(end * d - n)) return INFINITY; /* what float does not carry must not be left out */
     find_d_and_n(other_truth, truth);
     if (mpf_sgn(truth) == 0) return INFINITY;
     if (mpf_sgn(truth) < 0) mpf_neg(other_truth, other_truth);
