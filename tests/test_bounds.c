@@ -694,7 +694,7 @@ static double attack_single_t(const float *input)
     return worst;
 }
 
-/* Where lanes of one origin take a plane to be out of reach of a ray: the error of T |D| - |N|, for the ray's end T. */
+/* Where lanes of one origin take a plane to be out of reach of a ray: the error of T |D| - |N|, for the greatest end T. */
 static double attack_single_reach(const float *input)
 {
     static struct lanes_search search;
@@ -708,11 +708,20 @@ static double attack_single_reach(const float *input)
         search.reach = fmaxf(4 * fabsf(input[12 + k]), search.reach);
     }
     const double n = fabs((double)test.distance), d = (double)v_flip(test.determinant, test.distance);
-    float end = (float)((n - test.distance_bound) / (d + test.plane_bound));
-    end = end >= 0 && end < 0x1p120f ? next_float(end, 4) : FLT_MAX;
-    for (int step = 0; set_up_from_origin(&search, input, 1, end, &of); ++step) {
-        if (step == 12 || end == 0) return -1;
-        end = next_float(end, -1);
+    uint32_t left_out = 0,
+             reached = 0x7F800000; /* ends as words: those of floats that are not negative have their order */
+    float end = 0;
+    if (set_up_from_origin(&search, input, 1, end, &of)) return -1;
+    while (reached - left_out > 1) {
+        const uint32_t middle = left_out + (reached - left_out) / 2;
+        float tried;
+        memcpy(&tried, &middle, sizeof tried);
+        if (set_up_from_origin(&search, input, 1, tried, &of)) {
+            reached = middle;
+        } else {
+            left_out = middle;
+            end = tried;
+        }
     }
     if (!isfinite(end * d - n)) return INFINITY; /* what float does not carry must not be left out */
     find_d_and_n(other_truth, truth);
