@@ -533,22 +533,6 @@ int mlrt_compare_distance(const struct mlrt_ray_segment *ray, const struct mlrt_
     return MLRT_LIKELY(sign != 0) ? sign : compare_close_distance(ray, first, second, counters);
 }
 
-/*
- * If all corners of the first triangle lie on one side of the plane of the second, so do all its points. If `from` lies
- * on the other side, a ray meets the plane before it hits the first triangle; if on the same side, after.
- */
-int mlrt_order_of_triangles(const float from[3], const struct mlrt_triangle *first, const struct mlrt_triangle *second)
-{
-    const int side = certain_side_of_point(second, from);
-    int corner_side = 0;
-    for (int i = 0; side != 0 && i < 3; ++i) {
-        const int other = certain_side_of_point(second, first->v[i]);
-        if (other == 0 || (i > 0 && other != corner_side)) return 0;
-        corner_side = other;
-    }
-    return -side * corner_side;
-}
-
 int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second)
 {
     for (uint32_t axis = 0; axis < 3; ++axis)

@@ -66,12 +66,6 @@ int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_t
 int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second);
 
 /*
- * The order of two triangles for all rays from a point. +1: no ray hits the first before it meets the plane of the
- * second. -1: every ray that hits the first and meets that plane hits the first before. 0: double cannot tell.
- */
-int mlrt_order_of_triangles(const float from[3], const struct mlrt_triangle *first, const struct mlrt_triangle *second);
-
-/*
  * Floats around the t of a triangle that the ray hits: 0 <= *lo <= t <= *hi <= inf, as close as double arithmetic can
  * tell. They are nearly always equal or neighbours; 0 and inf if the ray is too nearly parallel to the plane.
  */

@@ -241,39 +241,6 @@ MLRT_INLINE uint32_t compare_with_all_nearest(const struct mlrt_tree *tree, cons
     return nearer;
 }
 
-/* The lanes for which the order of a triangle and the nearest hit follows from the two triangles, without the rays. */
-struct known_lanes {
-    uint32_t tied;    /* decided: both triangles lie in one plane */
-    uint32_t farther; /* the triangle, if it is hit, is behind the nearest hit */
-    uint32_t nearer;  /* the triangle, if it is hit, is before the nearest hit */
-};
-
-/*
- * Finds the lanes that are decided by the worker's tables of planes and pairs of triangles. If the packet has an apex,
- * a new pair is compared once for all rays from there; rays of different origins would each need a comparison.
- */
-MLRT_INLINE struct known_lanes look_up_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
-                                             uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker)
-{
-    struct known_lanes known = {0, 0, 0};
-    const uint32_t plane = mlrt_known_plane_of(worker, number);
-    while (lanes) {
-        const uint32_t nearest = packet->nearest.triangle[mlrt_lowest_bit(lanes)];
-        const uint32_t same = lanes & lanes_of_triangle(packet, nearest);
-        lanes &= ~same;
-        if (nearest == MLRT_NONE) continue;
-        if (mlrt_known_plane_of(worker, nearest) == plane) {
-            known.tied |= mlrt_settle_tie(number, nearest, same, inside, packet);
-            continue;
-        }
-        if (!packet->has.apex) continue;
-        const int order = mlrt_known_order(tree, packet->apex, number, nearest, worker);
-        known.farther |= order > 0 ? same : 0;
-        known.nearer |= order < 0 ? same : 0;
-    }
-    return known;
-}
-
 /*
  * Makes the triangle the nearest hit of the lanes `nearer`. Rounding the bounds of t to floats can move them inward by
  * half a unit in the last place, so they are moved outward by more than that; 2^-149 is for bounds that become
@@ -323,12 +290,11 @@ static MLRT_NOINLINE uint32_t find_lanes_at_end(const struct mlrt_triangle *tria
 }
 
 /*
- * Decides `lanes` in double. In the lanes `known_nearer` the triangle, if hit, is known to be nearer. Returns the lanes
- * where it is the nearest hit now; *left receives the undecided lanes.
+ * Decides `lanes` in double. Returns the lanes where the triangle is the nearest hit now; *left receives the undecided
+ * lanes.
  */
 static MLRT_NOINLINE uint32_t decide_by_doubles(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
-                                                uint32_t inside, uint32_t known_nearer, struct mlrt_packet *packet,
-                                                uint32_t *left)
+                                                uint32_t inside, struct mlrt_packet *packet, uint32_t *left)
 {
     struct close_triangle triangle;
     struct close_bounds bounds[DOUBLE_VECTORS];
@@ -346,7 +312,6 @@ static MLRT_NOINLINE uint32_t decide_by_doubles(const struct mlrt_tree *tree, ui
         hit |= verdict.hit << lane;
         nearer |= verdict.nearer << lane;
     }
-    nearer |= hit & known_nearer;
     *left = lanes & ~(passed | nearer);
     if (*left) {
         nearer |= hit & compare_with_all_nearest(tree, packet, *left, bounds, &farther);
@@ -362,23 +327,22 @@ static MLRT_NOINLINE uint32_t decide_by_doubles(const struct mlrt_tree *tree, ui
 }
 
 /*
- * As mlrt_decide_lanes (undecided.h), which it calls for the lanes that it leaves undecided. It first looks up the
- * order of the two triangles, then tests the triangle in double, then compares its distances with those of the nearest
- * hits.
+ * As mlrt_decide_lanes (undecided.h), which it calls for the lanes that it leaves undecided. Lanes whose nearest hit is
+ * known to lie in the triangle's plane are settled first; then the triangle is tested in double, and its distances are
+ * compared with those of the nearest hits.
  */
 static MLRT_NOINLINE uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
                                            uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker,
                                            mlrt_counters *counters)
 {
     if (mlrt_is_stopped_in_step(worker)) return 0;
-    const struct known_lanes known = look_up_lanes(tree, number, lanes, inside, packet, worker);
-    const uint32_t among = lanes & ~(known.tied | known.farther);
+    const uint32_t tied = mlrt_settle_known_ties(number, lanes, inside, packet, worker), among = lanes & ~tied;
     uint32_t left = 0, nearer = 0;
-    if (among) nearer = decide_by_doubles(tree, number, among, inside, known.nearer, packet, &left);
+    if (among) nearer = decide_by_doubles(tree, number, among, inside, packet, &left);
     if (counters) {
-        counters->tie_lane_count += mlrt_count_bits(known.tied);
-        counters->judged_lane_count += mlrt_count_bits(lanes & ~(known.tied | left));
-        if (lanes & ~(known.tied | left)) {
+        counters->tie_lane_count += mlrt_count_bits(tied);
+        counters->judged_lane_count += mlrt_count_bits(among & ~left);
+        if (among & ~left) {
             const uint64_t test_count = counters->undecided_test_count + 1;
             if (left) nearer |= mlrt_decide_lanes(tree, number, left, inside, packet, worker, counters);
             counters->undecided_test_count = test_count; /* both parts count as one test */

@@ -27,15 +27,14 @@ void mlrt_forget_planes(uint32_t plane_bits, uint32_t pair_bits, struct mlrt_wor
 int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t second, struct mlrt_worker *worker)
 {
     const uint32_t plane_1 = mlrt_known_plane_of(worker, first), plane_2 = mlrt_known_plane_of(worker, second);
-    struct mlrt_triangle_pair *pair = mlrt_pair_of(worker, first, second);
+    struct mlrt_triangle_pair *pair = &worker->known.pairs[(first ^ second) & worker->known.pair_mask];
     if (plane_1 == plane_2) return 1;
-    if (mlrt_is_pair(pair, first, second) && pair->differ) return 0;
+    if (pair->first == first && pair->second == second) return 0;
     if (mlrt_is_stopped_in_step(worker)) return 0;
     const struct mlrt_triangle triangles[2] = {mlrt_triangle_at(&tree->by_number, first),
                                                mlrt_triangle_at(&tree->by_number, second)};
     if (!mlrt_share_plane(&triangles[0], &triangles[1])) {
-        if (!mlrt_is_pair(pair, first, second)) *pair = (struct mlrt_triangle_pair){first, second, 1, 0, {NAN, 0, 0}};
-        pair->differ = 1;
+        *pair = (struct mlrt_triangle_pair){first, second};
         return 0;
     }
     worker->known.planes[plane_1 & worker->known.plane_mask] = (struct mlrt_known_plane){plane_1, plane_2};
@@ -43,22 +42,12 @@ int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t s
     return 1;
 }
 
-MLRT_NOINLINE void mlrt_find_order(const struct mlrt_tree *tree, const float apex[3], uint32_t first, uint32_t second,
-                                   struct mlrt_triangle_pair *pair)
-{
-    const int differ = mlrt_is_pair(pair, first, second) && pair->differ;
-    const struct mlrt_triangle triangles[2] = {mlrt_triangle_at(&tree->by_number, first),
-                                               mlrt_triangle_at(&tree->by_number, second)};
-    const int order = mlrt_order_of_triangles(apex, &triangles[0], &triangles[1]);
-    *pair = (struct mlrt_triangle_pair){first, second, differ || order != 0, order, {apex[0], apex[1], apex[2]}};
-}
-
 /*
- * Settles the lanes whose nearest hit lies in the plane of triangle `number`. Returns those of `lanes` that are
- * settled.
+ * Settles the lanes whose nearest hit lies in the plane of triangle `number`: as far as the table knows, or if `finds`,
+ * by comparing triangles. Returns those of `lanes` that are settled.
  */
-static uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
-                            struct mlrt_packet *packet, struct mlrt_worker *worker)
+MLRT_INLINE uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
+                                 int finds, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     uint32_t settled = 0;
     while (lanes) {
@@ -66,10 +55,19 @@ static uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint3
         const uint32_t same = lanes & mlrt_same_words(packet->nearest.triangle, nearest);
         lanes &= ~same;
         if (nearest == MLRT_NONE || (number < nearest && !(same & inside))) continue;
-        if (!mlrt_have_one_plane(tree, number, nearest, worker)) continue;
+        if (!(finds ? mlrt_have_one_plane(tree, number, nearest, worker)
+                    : mlrt_known_plane_of(worker, number) == mlrt_known_plane_of(worker, nearest))) {
+            continue;
+        }
         settled |= mlrt_settle_tie(number, nearest, same, inside, packet);
     }
     return settled;
+}
+
+uint32_t mlrt_settle_known_ties(uint32_t number, uint32_t lanes, uint32_t inside, struct mlrt_packet *packet,
+                                struct mlrt_worker *worker)
+{
+    return settle_ties(NULL, number, lanes, inside, 0, packet, worker);
 }
 
 /* Lets the judge decide lanes one by one. Returns those that have a nearer hit than before. */
@@ -96,7 +94,7 @@ static uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint3
 uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
                            struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters)
 {
-    const uint32_t tied = settle_ties(tree, number, lanes, inside, packet, worker), undecided = lanes & ~tied;
+    const uint32_t tied = settle_ties(tree, number, lanes, inside, 1, packet, worker), undecided = lanes & ~tied;
     if (counters) {
         counters->tie_lane_count += mlrt_count_bits(tied);
         counters->undecided_test_count += undecided != 0;

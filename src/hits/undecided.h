@@ -25,33 +25,6 @@ static inline uint32_t mlrt_known_plane_of(const struct mlrt_worker *worker, uin
     }
 }
 
-/* The table entry of a pair of triangles; it may hold another pair (mlrt_is_pair). */
-static inline struct mlrt_triangle_pair *mlrt_pair_of(const struct mlrt_worker *worker, uint32_t first, uint32_t second)
-{
-    return &worker->known.pairs[(first ^ second) & worker->known.pair_mask];
-}
-
-static inline int mlrt_is_pair(const struct mlrt_triangle_pair *pair, uint32_t first, uint32_t second)
-{
-    return pair->first == first && pair->second == second;
-}
-
-/* Finds the order of two triangles from an apex, and stores it in `pair`. */
-void mlrt_find_order(const struct mlrt_tree *tree, const float apex[3], uint32_t first, uint32_t second,
-                     struct mlrt_triangle_pair *pair);
-
-/* The order of two triangles from an apex (mlrt_order_of_triangles in exact/predicate.h), looked up or found. */
-static inline int mlrt_known_order(const struct mlrt_tree *tree, const float apex[3], uint32_t first, uint32_t second,
-                                   struct mlrt_worker *worker)
-{
-    struct mlrt_triangle_pair *pair = mlrt_pair_of(worker, first, second);
-    if (MLRT_UNLIKELY(!mlrt_is_pair(pair, first, second) || pair->apex[0] != apex[0] || pair->apex[1] != apex[1] ||
-                      pair->apex[2] != apex[2])) {
-        mlrt_find_order(tree, apex, first, second, pair);
-    }
-    return pair->order;
-}
-
 /*
  * Settles exact ties, which are common: surfaces that are there twice, walls in one plane. `nearest` is the nearest
  * hit of all `lanes`, and triangle `number` lies in its plane. So if a ray hits triangle `number`, it does at the same
@@ -66,6 +39,10 @@ static inline uint32_t mlrt_settle_tie(uint32_t number, uint32_t nearest, uint32
     for (uint32_t left = lanes; left; left &= left - 1) packet->nearest.triangle[mlrt_lowest_bit(left)] = number;
     return lanes;
 }
+
+/* Settles the ties of those of `lanes` whose nearest hits the worker's table knows to lie in the triangle's plane. */
+uint32_t mlrt_settle_known_ties(uint32_t number, uint32_t lanes, uint32_t inside, struct mlrt_packet *packet,
+                                struct mlrt_worker *worker);
 
 /*
  * Decides whether the rays in `lanes` hit a triangle; those in `inside` are known to be inside its edges. Returns the

@@ -52,15 +52,12 @@ struct mlrt_job {
 };
 
 /*
- * A cached comparison of two triangles that do not lie in one plane, or may not (undecided.h). All 0 = empty entry,
- * since a triangle is never compared with itself.
+ * Two triangles that surely do not lie in one plane (undecided.c). All 0 = empty entry, since a triangle is never
+ * compared with itself.
  */
 struct mlrt_triangle_pair {
     uint32_t first;
     uint32_t second;
-    int32_t differ; /* they surely do not lie in one plane */
-    int32_t order;  /* from `apex`: +1 if the first is behind the second wherever a ray hits it, -1 if it is before */
-    float apex[3];
 };
 
 /* A triangle, and another one in the same plane (undecided.c). */
