@@ -45,54 +45,36 @@ static void set_entry_outlines(const struct mlrt_beam *beam, struct entry_list *
     }
 }
 
-/* Traces a tile of the smallest size, whose rays may all start at `above`. */
-static void trace_last_level(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
-                             const struct entry_point *above)
-{
-    struct mlrt_beam beam;
-    struct entry_list list;
-    list.count = 1;
-    list.axis_code = NO_OUTLINES;
-    list.entries[0] = *above;
-    if (mlrt_get_beam(&job->source, tile->x, tile->y, tile->width, tile->height, &beam)) {
-        uint32_t cover;
-        const int found = job->multilevel.shortcuts & MLRT_SHORTCUT_ENTRY_LISTS
-                              ? mlrt_find_entry_list(job, &beam, *above, &list, &cover, &worker->counters)
-                              : mlrt_find_entry_point(job, &beam, &list.entries[0], &cover, &worker->counters);
-        if (found != BEAM_ENTERS) {
-            finish_tile(job, worker, found, cover, tile);
-            return;
-        }
-        if (job->multilevel.shortcuts & MLRT_SHORTCUT_ENTRY_LISTS) set_entry_outlines(&beam, &list);
-    }
-    enter_tile(job, worker, &list, tile);
-}
-
-/* Traces a tile whose sides are at most `size`, and whose rays may all start at `above`. */
+/*
+ * Traces a tile whose sides are at most `size`, and whose rays may all start at `above`. Tiles of the smallest size
+ * enter the tree where they may start; others do if that is a leaf, and are cut if not.
+ */
 static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
                         uint32_t size, const struct entry_point *above)
 {
-    if (size <= job->multilevel.minimum_tile_size) {
-        trace_last_level(job, worker, tile, above);
-        return;
-    }
+    const int is_last = size <= job->multilevel.minimum_tile_size;
+    const int has_list = is_last && job->multilevel.shortcuts & MLRT_SHORTCUT_ENTRY_LISTS;
     struct mlrt_beam beam;
     struct entry_list list;
     struct entry_point *entry = &list.entries[0];
+    int is_entered = is_last;
     list.count = 1;
     list.axis_code = NO_OUTLINES;
     *entry = *above;
     if (mlrt_get_beam(&job->source, tile->x, tile->y, tile->width, tile->height, &beam)) {
         uint32_t cover;
-        const int found = mlrt_find_entry_point(job, &beam, entry, &cover, &worker->counters);
+        const int found = has_list ? mlrt_find_entry_list(job, &beam, *above, &list, &cover, &worker->counters)
+                                   : mlrt_find_entry_point(job, &beam, entry, &cover, &worker->counters);
         if (found != BEAM_ENTERS) {
             finish_tile(job, worker, found, cover, tile);
             return;
         }
-        if (mlrt_node_is_leaf(&job->tree->kdtree.nodes[entry->node])) {
-            enter_tile(job, worker, &list, tile);
-            return;
-        }
+        if (has_list) set_entry_outlines(&beam, &list);
+        is_entered |= mlrt_node_is_leaf(&job->tree->kdtree.nodes[entry->node]);
+    }
+    if (is_entered) {
+        enter_tile(job, worker, &list, tile);
+        return;
     }
     uint32_t side = size / job->multilevel.split_divisor;
     if (side < job->multilevel.minimum_tile_size) side = job->multilevel.minimum_tile_size;

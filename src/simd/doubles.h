@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Vectors of three doubles, DW lanes of each: the products that determinants consist of (exact/predicate.c). */
+/*
+ * Vectors of three doubles, DW lanes of each: the products that determinants consist of (exact/predicate.c). No
+ * instruction set fuses these operations, because the bits of shadow rays depend on each (hits/shadow_ray.h).
+ */
 #ifndef MLRT_SIMD_DOUBLES_H
 #define MLRT_SIMD_DOUBLES_H
 
