@@ -273,7 +273,13 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
     }
 }
 
-/* Reads the rays of a block, out of arrays of this kind. */
+/* Sets the numbers of all lanes. */
+static void fill(float value, float numbers[MLRT_PACKET_RAYS])
+{
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4) f4_store(numbers + lane, f4_set1(value));
+}
+
+/* Reads the rays of a block, out of arrays of this kind. What the rays of a light have in common is not read. */
 MLRT_INLINE void fetch_rays(const struct mlrt_source *source, enum mlrt_source_kind kind, uint32_t x, uint32_t y,
                             uint32_t lanes, struct mlrt_packet *packet)
 {
@@ -284,10 +290,12 @@ MLRT_INLINE void fetch_rays(const struct mlrt_source *source, enum mlrt_source_k
         read_ray(source, kind, i, room, &ray);
         for (int k = 0; k < 3; ++k) {
             if (kind != MLRT_SOURCE_POINT_LIGHT) packet->origin[k][lane] = ray.given_origin[k];
-            packet->direction[k][lane] = ray.given_direction[k];
+            if (kind != MLRT_SOURCE_DIRECTIONAL_LIGHT) packet->direction[k][lane] = ray.given_direction[k];
         }
-        packet->t_min[lane] = ray.t_min;
-        packet->t_max[lane] = ray.t_max;
+        if (kind == MLRT_SOURCE_RAYS) {
+            packet->t_min[lane] = ray.t_min;
+            packet->t_max[lane] = ray.t_max;
+        }
         if (packet->has.masks) packet->mask[lane] = ray.mask;
         if (!packet->has.skip) continue;
         const float *pair = float_at(&source->arrays.skip, element_of_ray(i, source->arrays.rays_per_origin));
@@ -306,10 +314,13 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
         packet->has.limits = source->arrays.t_min.data || source->arrays.t_max.data;
         fetch_rays(source, MLRT_SOURCE_RAYS, x, y, lanes, packet);
     } else if (source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT) {
+        for (int k = 0; k < 3; ++k) fill(source->light[k], packet->direction[k]);
+        fill(0, packet->t_min), fill(INFINITY, packet->t_max);
         fetch_rays(source, MLRT_SOURCE_DIRECTIONAL_LIGHT, x, y, lanes, packet);
     } else {
         packet->has.apex = 1;
         memcpy(packet->apex, source->light, sizeof packet->apex);
+        fill(0, packet->t_min), fill(1, packet->t_max);
         fetch_rays(source, MLRT_SOURCE_POINT_LIGHT, x, y, lanes, packet);
     }
     if (packet->has.skip) mlrt_number_skips(source->tree, packet);
