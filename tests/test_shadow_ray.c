@@ -491,6 +491,40 @@ static void thin_triangles_with_a_far_corner(void **state)
     assert_true(faced >= scaled(400) && unfaced >= scaled(400));
 }
 
+/*
+ * Rays that rise from the plane of the triangle by as little as floats allow. All coordinates are whole numbers or
+ * halves, and n_z is 1: as sides (1, 0) and (0, 1) of a square, to which one another is added over and over, span an
+ * area of 1. So the direction, which is a sum of sides and (0, 0, 1) or (0, 0, -1), has d . n = 1 or -1, though the
+ * three products in it are of the order of 2^60. In double, its sign is one of rounding errors.
+ */
+static void rays_that_nearly_lie_in_the_plane(void **state)
+{
+    (void)state;
+    struct random random = {90};
+    faced = unfaced = 0;
+    for (size_t i = 0; i < scaled(400); i++) {
+        int32_t side[2][3] = {{1, 0, 0}, {0, 1, 0}};
+        float corner[3][3] = {{0}}, eye[3], target[3], light[3];
+        do {
+            const uint32_t n = draw_below(&random, 2);
+            for (int k = 0; k < 2; k++) side[n][k] += side[1 - n][k];
+        } while (side[0][0] + side[0][1] < 1 << 19 || side[1][0] + side[1][1] < 1 << 19);
+        for (int n = 0; n < 2; n++) side[n][2] = (int32_t)draw_below(&random, 1 << 20) - (1 << 19);
+        const int32_t first = (int32_t)draw_below(&random, 3) + 1, second = (int32_t)draw_below(&random, 3) + 1;
+        draw_point(&random, -0x1p20f, 0x1p20f, light);
+        for (int k = 0; k < 3; k++) {
+            const int32_t rise = k < 2 ? 0 : i % 2 ? 1 : -1;
+            corner[1][k] = (float)side[0][k];
+            corner[2][k] = (float)side[1][k];
+            target[k] = i % 3 ? (float)(side[0][k] + side[1][k]) / 2 : 0; // on an edge, or a corner
+            eye[k] = target[k] - (float)(first * side[0][k] + second * side[1][k] + rise);
+        }
+        mlrt_light lights[2] = {light_at(light[0], light[1], light[2]), light_from(light[0], light[1], light[2])};
+        ask_about_one("nearly in the plane", i, corner, eye, target, &lights[i / 2 % 2]);
+    }
+    assert_true(faced >= scaled(100) && unfaced >= scaled(100));
+}
+
 static void hostile_rays_in_hard_scenes(void **state)
 {
     (void)state;
@@ -622,6 +656,7 @@ int main(void)
         cmocka_unit_test(triangles_of_every_scale),
         cmocka_unit_test(scales_that_do_not_mix),
         cmocka_unit_test(thin_triangles_with_a_far_corner),
+        cmocka_unit_test(rays_that_nearly_lie_in_the_plane),
         cmocka_unit_test(hostile_rays_in_hard_scenes),
         cmocka_unit_test(planes_do_not_shade_themselves),
         cmocka_unit_test(faces_does_not_depend_on_lengths),
