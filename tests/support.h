@@ -106,7 +106,7 @@ void add_mixed_rays(struct ray_list *list, struct random *random, const struct f
                     float hi);
 void free_rays(struct ray_list *list);
 mlrt_rays public_rays(const struct ray_list *list);
-/* Results into an array of reference_hits, with `row` of them per row of pixels (0 = plain). */
+/* Results into an array of struct reference_hit, with `row` of them per row of pixels (0 = plain). */
 mlrt_hits public_hits(struct reference_hit *hits, size_t row);
 
 /* ---- ways of tracing --------------------------------------------------------------------------------------------- */

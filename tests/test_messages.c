@@ -702,7 +702,7 @@ static void check_arrays(void)
     OUTPUT(PACKET, hits, triangle);
     OUTPUT(PACKET, hits, facing);
     CHECK(now.hits.occluded = ((mlrt_array){numbers, (size_t)-1, 0}), PACKET, ARGUMENT,
-          "hits.occluded: MLRT_STRIDE_ALL in an array with an element for each result");
+          "hits.occluded: stride MLRT_STRIDE_ALL is only for arrays of rays and points");
     OUTPUT(ALL, lists, t);
     OUTPUT(ALL, lists, u);
     OUTPUT(ALL, lists, v);
@@ -714,7 +714,7 @@ static void check_arrays(void)
     OUTPUT(ALL, lists, total);
     OUTPUT(ALL, lists, crossing_total);
     CHECK(now.hits.t.stride = MLRT_STRIDE_ALL, PACKET, ARGUMENT,
-          "hits.t: MLRT_STRIDE_ALL in an array with an element for each result");
+          "hits.t: stride MLRT_STRIDE_ALL is only for arrays of rays and points");
     CHECK(now.hits.t.row_stride = 13, RENDER, ARGUMENT, "frame.t: row stride 13 is not a multiple of 4");
     CHECK(now.hits.t.row_stride = ((size_t)1 << 31) + 4, RENDER, ARGUMENT,
           "frame.t: row stride 2147483652 is more than 2147483648");

@@ -414,7 +414,7 @@ static void results_need_elements(void **state)
                                          &results.all.total, &results.all.crossing_total};
     static const char *const closest_names[] = {"t", "u", "v", "mesh", "triangle", "facing"};
     static const char *const list_names[] = {"t", "triangle", "crossing", "total", "crossing_total"};
-    const char *const rest = ": MLRT_STRIDE_ALL in an array with an element for each result";
+    const char *const rest = ": stride MLRT_STRIDE_ALL is only for arrays of rays and points";
     char line[256];
     struct lines lines = {0};
     const mlrt_host host = {.struct_size = sizeof host, .user = &lines, .log = take_line};
@@ -469,9 +469,13 @@ static void meshes_and_cameras_need_elements(void **state)
                       .indices = indices,
                       .triangle_count = 1};
     assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_ERROR_ARGUMENT);
+    assert_string_equal(mlrt_last_message(),
+                        "meshes[0].vertices: stride MLRT_STRIDE_ALL is only for arrays of rays and points");
     mesh.vertex_stride = 0;
     mesh.triangle_stride = MLRT_STRIDE_ALL;
     assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_ERROR_ARGUMENT);
+    assert_string_equal(mlrt_last_message(),
+                        "meshes[0].indices: stride MLRT_STRIDE_ALL is only for arrays of rays and points");
     assert_int_equal(mlrt_camera_rays(&camera, &vectors, NULL), MLRT_ERROR_ARGUMENT);
     assert_int_equal(mlrt_camera_rays(&camera, NULL, &vectors), MLRT_ERROR_ARGUMENT);
 }

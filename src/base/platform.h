@@ -51,8 +51,11 @@
 #define MLRT_THREAD_LOCAL _Thread_local
 #endif
 
-/* Before a short loop that must be unrolled at every optimisation level. */
-#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8
+/*
+ * Before a short loop that must be unrolled at every optimisation level. Without optimisation gcc does not unroll, and
+ * warns of it.
+ */
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8 && defined(__OPTIMIZE__)
 #define MLRT_UNROLL _Pragma("GCC unroll 9")
 #else
 #define MLRT_UNROLL

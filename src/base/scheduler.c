@@ -15,8 +15,6 @@
 #include "base/memory.h"
 #include "base/platform.h"
 
-/* Also bounds the array of tasks on the stack. */
-
 /* One call of mlrt_run_items. Guarded by the pool's mutex. */
 struct batch {
     mlrt_work_function *function;

@@ -182,6 +182,10 @@ static MLRT_NOINLINE int32_t fail_number(const struct place *place, const char *
 static MLRT_NOINLINE int32_t fail_array(const struct place *place, const char *what, const void *data, size_t stride,
                                         size_t unit, size_t least)
 {
+    if (stride == MLRT_STRIDE_ALL) {
+        return mlrt_fail_at(place->status, place->path, place->index, place->field,
+                            "%sMLRT_STRIDE_ALL is only for arrays of rays and points", what);
+    }
     if ((uintptr_t)data % unit) return fail_number(place, "address ", (uintptr_t)data, "not a multiple of", unit);
     if (stride % unit) return fail_number(place, what, stride, "not a multiple of", unit);
     if (stride < least) return fail_number(place, what, stride, "less than", least);
@@ -199,10 +203,6 @@ int32_t mlrt_check_array(const char *path, size_t index, const char *field, cons
 static int32_t fail_output(const struct place *place, const struct mlrt_field *field, const mlrt_array *array)
 {
     const size_t size = field->most, unit = unit_of_output(field), stride = array->stride ? array->stride : size;
-    if (stride == MLRT_STRIDE_ALL) {
-        return mlrt_fail_at(place->status, place->path, place->index, place->field,
-                            "MLRT_STRIDE_ALL in an array with an element for each result");
-    }
     const int is_row = mlrt_is_right_array(array->data, stride, unit, size);
     return fail_array(place, is_row ? "row stride " : "stride ", array->data, is_row ? array->row_stride : stride, unit,
                       is_row ? 0 : size);

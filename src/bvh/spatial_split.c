@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cuts a set of references by a plane: see spatial.h.
+ * Cuts a set of references by a plane: see spatial_split.h.
  *
  * The bounds of the parts in slabs are estimates in float: they only choose the plane. References are then cut by
  * scene/clip.c, whose boxes hold every point of the triangle.
