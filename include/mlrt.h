@@ -58,7 +58,8 @@
  * Arrays are a pointer and a byte stride. Stride 0 means packed; MLRT_STRIDE_ALL means that one element serves all rays
  * (only in input arrays of rays and points). Addresses and strides must be multiples of 4 (of 2 for 2-byte indices, of
  * 1 for uint8_t), and strides, those of rows too, at most 2^31; otherwise the answer is MLRT_ERROR_ARGUMENT. No byte
- * outside the elements is read or written.
+ * outside the elements is read or written. An element for a result may overlap neither another one nor anything that
+ * the call reads; arrays may lie within each other, as the fields of structs do.
  *
  * Ownership. The library uses arguments only until the call returns, with three exceptions: a tree or a pool keeps the
  * allocator of the host that it was made with, a pool also keeps its hooks, and a tree loaded with MLRT_LOAD_IN_PLACE
@@ -72,7 +73,8 @@
  * Threads. The library starts no threads unless the caller makes a pool, and it has no global state: only the last
  * message, which each thread has for itself. A tree never changes after it is built: any number of threads may trace it
  * at once. A pool with threads of its own serves one call at a time, and calls that share it wait for each other. A
- * pool with mlrt_pool_options.enqueue serves several at once.
+ * pool with mlrt_pool_options.enqueue serves several at once. After fork() the child has the trees, but not the threads
+ * of a pool: it makes a pool of its own, and neither uses nor destroys the parent's.
  */
 #ifndef MLRT_H
 #define MLRT_H
@@ -964,8 +966,8 @@ typedef int32_t (*mlrt_tile_callback)(void *user, const mlrt_tile *tile);
  *   callback  receives the results of each tile; NULL = none.
  *   user      the first argument of the callback.
  *
- * At least one of frame and callback must be given. A pixel without a valid ray (its direction rounds to 0, for
- * example) is a miss.
+ * A frame with an array, a callback, or counters in the options must be given. A pixel without a valid ray (its
+ * direction rounds to 0, for example) is a miss.
  */
 MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *camera, const mlrt_trace_options *options,
                                    const mlrt_hits *frame, mlrt_tile_callback callback, void *user);
@@ -1014,7 +1016,8 @@ typedef struct mlrt_points {
  *   points    the points.
  *   light     the light.
  *   options   NULL = defaults. Its `query` is ignored.
- *   occluded  uint8_t: element i receives 1 if something lies between point i and the light, 0 if nothing does.
+ *   occluded  uint8_t: element i receives 1 if something lies between point i and the light, 0 if nothing does. Its
+ *             data must not be NULL.
  *
  * The ray of point P is o = L, d = fl(P - L) per component, 0 < t <= 1 for a point light at L, and o = P, d = position,
  * 0 < t for a directional light. A point that is at the light itself, or has a coordinate that is not finite, is not
