@@ -367,6 +367,42 @@ static void ends_of_rays_at_walls(void **state)
     }
 }
 
+/*
+ * Two triangles a few times 2^-83 in front of the origins, met by directions of length 2^60: t is between 2^-143 and
+ * 2^-142, where floats are 2^-149 apart, and differs by less than half of that from one triangle to the other. So where
+ * bounds of t are rounded to floats, a share of t is no margin.
+ */
+static void distances_that_are_denormal(void **state)
+{
+    (void)state;
+    struct random random = {5};
+    const float z[3] = {0x1p-60f + 0x1p-83f, 0x1p-60f + 0x1p-82f, 0x1p-60f + 0x1.8p-82f};
+    struct soup soup = {0};
+    mlrt_tree *tree = NULL;
+    soup_add_triangle(&soup, (const float[3]){0, 0, z[0]}, (const float[3]){1, 0, z[1]}, (const float[3]){0, 1, z[0]});
+    soup_add_triangle(&soup, (const float[3]){0, 0, z[0]}, (const float[3]){1, 0, z[1]}, (const float[3]){0, 1, z[2]});
+    const mlrt_mesh mesh = soup_mesh(&soup);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
+    for (size_t i = 0; i < FUNCTION_COUNT; i++) {
+        if (!isa_is_supported(isas[i])) continue;
+        for (uint32_t turn = 0; turn < 40; turn++) {
+            struct bench own, *bench = &own;
+            begin_bench(bench);
+            for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
+                const float origin[3] = {draw_range(&random, 0.0625f, 0.9375f), draw_range(&random, 0, 0x1p-9f),
+                                         0x1p-60f};
+                set_lane(bench, lane, origin, (const float[3]){0, 0, 0x1p60f}, 0, INFINITY);
+            }
+            offer(functions[i], bench, tree, turn % 2, 0xFFFF, &random);
+            offer(functions[i], bench, tree, 1 - turn % 2, 0xFFFF, &random);
+            for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++)
+                assert_int_equal(bench->packet.nearest.triangle[lane], 0);
+        }
+    }
+    mlrt_destroy_tree(tree);
+    free_soup(&soup);
+}
+
 /* ---- thousands of triangles in one plane ------------------------------------------------------------------------- */
 
 #define NEST_COUNT 2000
@@ -506,7 +542,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sheets_that_nearly_coincide),       cmocka_unit_test(hostile_rays_in_hard_scenes),
         cmocka_unit_test(what_double_decides_is_not_judged), cmocka_unit_test(ends_of_rays_at_walls),
-        cmocka_unit_test(planes_are_asked_for_once),         cmocka_unit_test(close_calls_are_stopped),
-        cmocka_unit_test(a_render_is_stopped_within_an_item)};
+        cmocka_unit_test(distances_that_are_denormal),       cmocka_unit_test(planes_are_asked_for_once),
+        cmocka_unit_test(close_calls_are_stopped),           cmocka_unit_test(a_render_is_stopped_within_an_item)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
