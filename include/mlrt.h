@@ -334,7 +334,7 @@ typedef struct mlrt_tree_options {
     int32_t preset;          /* MLRT_TREE_* */
     float traversal_cost;    /* of a node, 0..1e6, in units of a leaf's cost; 0 = 1 */
     float intersection_cost; /* of a triangle in a leaf, 0..1e6, in the same units; 0 = a small share of the leaf's */
-    char *message;           /* NULL, or a buffer for the reason of an error, in words (UTF-8, terminated); else "" */
+    char *message;           /* NULL, or a buffer: receives the reason of an error (UTF-8, terminated), "" without one */
     size_t message_size;     /* size of the buffer in bytes */
     const mlrt_host *host;   /* NULL = malloc, and no messages */
     uint64_t memory_limit;   /* most bytes held at one time; beyond: MLRT_ERROR_OUT_OF_MEMORY; 0 = no limit */
@@ -491,7 +491,8 @@ enum {
 typedef struct mlrt_load_options {
     uint32_t struct_size;   /* sizeof(mlrt_load_options) */
     uint32_t flags;         /* MLRT_LOAD_* */
-    uint64_t geometry_hash; /* the triangles' mlrt_hash_geometry; others are MLRT_ERROR_DATA. 0 = any triangles */
+    uint64_t geometry_hash; /* what mlrt_hash_geometry says of the wanted triangles: data of others are
+                               MLRT_ERROR_DATA. 0 = any triangles */
     uint64_t memory_limit;  /* as in mlrt_tree_options */
     char *message;          /* NULL, or a buffer that receives details of an error (UTF-8, terminated) */
     size_t message_size;    /* size of the buffer in bytes */
