@@ -334,7 +334,7 @@ typedef struct mlrt_tree_options {
     int32_t preset;          /* MLRT_TREE_* */
     float traversal_cost;    /* of a node, 0..1e6, in units of a leaf's cost; 0 = 1 */
     float intersection_cost; /* of a triangle in a leaf, 0..1e6, in the same units; 0 = a small share of the leaf's */
-    char *message;           /* NULL, or a buffer: receives the reason of an error (UTF-8, terminated), "" without one */
+    char *message;           /* NULL, or a buffer: receives why the call failed (UTF-8, terminated), or "" if it did not */
     size_t message_size;     /* size of the buffer in bytes */
     const mlrt_host *host;   /* NULL = malloc, and no messages */
     uint64_t memory_limit;   /* most bytes held at one time; beyond: MLRT_ERROR_OUT_OF_MEMORY; 0 = no limit */
