@@ -307,6 +307,31 @@ static void a_hit_can_round_to_zero(void **state)
     free_fixture(&fixture);
 }
 
+/*
+ * Rays through the first vertex of the triangle, on an edge of the scene's box: they enter the box along x at the t at
+ * which they leave it along y, which is some hundred to some million times the least float. There the two distances are
+ * rounded apart by more than the slack that is a share of t.
+ */
+static void rays_through_an_edge_of_the_scene_at_a_denormal_t(void **state)
+{
+    (void)state;
+    const float a = 0x1.8p-60f;
+    const float corners[9] = {a, a, 0, 1, -1, 1, 1, -1, -1};
+    const mlrt_mesh mesh = {.struct_size = sizeof mesh, .vertices = corners, .vertex_count = 3, .triangle_count = 1};
+    struct random random = {64};
+    mlrt_tree *tree = build_structure(&mesh, 1, MLRT_STRUCTURE_BVH);
+    for (int i = 0; i < 20000; i++) {
+        const float step = (float)(1 + draw_below(&random, 1 << 13)) * 0x1p-83f; // floats are 2^-83 apart here
+        const float d = (float)(0x100000 + draw_below(&random, 0x100000)) * 0x1p37f;
+        const mlrt_ray ray = {
+            .struct_size = sizeof ray, .origin = {a - 3 * step, a - step, 0}, .direction = {3 * d, d, 0}};
+        const mlrt_hit hit = trace(tree, &ray);
+        assert_true(hit.t > 0 && hit.t < 0x1p-126f);
+        assert_int_equal(hit.triangle, 0);
+    }
+    mlrt_destroy_tree(tree);
+}
+
 static void weights_that_are_zero_have_no_sign(void **state)
 {
     (void)state;
@@ -563,6 +588,7 @@ int main(void)
         cmocka_unit_test(t_min_of_minus_infinity_counts_as_zero),
         cmocka_unit_test(a_hit_can_round_to_infinity),
         cmocka_unit_test(a_hit_can_round_to_zero),
+        cmocka_unit_test(rays_through_an_edge_of_the_scene_at_a_denormal_t),
         cmocka_unit_test(weights_that_are_zero_have_no_sign),
         cmocka_unit_test(an_empty_tree_is_missed),
         cmocka_unit_test(a_mesh_without_triangles_is_missed),
