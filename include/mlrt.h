@@ -334,7 +334,7 @@ typedef struct mlrt_tree_options {
     int32_t preset;          /* MLRT_TREE_* */
     float traversal_cost;    /* of a node, 0..1e6, in units of a leaf's cost; 0 = 1 */
     float intersection_cost; /* of a triangle in a leaf, 0..1e6, in the same units; 0 = a small share of the leaf's */
-    char *message;           /* NULL, or a buffer: receives why the call failed (UTF-8, terminated), or "" if it did not */
+    char *message;           /* NULL, or a buffer: receives why the call failed (UTF-8, terminated), or "" */
     size_t message_size;     /* size of the buffer in bytes */
     const mlrt_host *host;   /* NULL = malloc, and no messages */
     uint64_t memory_limit;   /* most bytes held at one time; beyond: MLRT_ERROR_OUT_OF_MEMORY; 0 = no limit */
@@ -590,9 +590,10 @@ enum {
                                 Tracing", 2001) */
     MLRT_METHOD_PACKET4 = 3, /* kd-tree: 4x4 rays by interval traversal from the root (the paper, section 4.3) */
     MLRT_METHOD_MULTILEVEL = 4, /* kd-tree: the same from entry points of beams (the paper, sections 3.3 to 4.2) */
-    MLRT_METHOD_TILE = 5 /* boxes: a tile of 16 packets of 16 rays goes down together, as a bundle; a pinhole camera's
-                            squares of 16 tiles do so first, without rays. Packets too wide for a bundle go lane by
-                            lane; where only few rays meet a box, each goes alone */
+    MLRT_METHOD_TILE = 5 /* boxes: a tile of 16 packets of 16 rays goes down together, as a bundle. Squares of 16 tiles
+                            do so first, without rays, if they are of a pinhole camera, or of any-hit rays with one
+                            origin or direction. Packets too wide for a bundle go lane by lane; where only few rays
+                            meet a box, each goes alone */
 };
 
 /*

@@ -57,8 +57,10 @@ static uint32_t find_powers(const struct mlrt_packet *packet, uint32_t lanes, fl
     return found & lanes;
 }
 
-/* Finds the scales that bring the rays of a packet into units. Returns those of `lanes` that float carries there, where
- * origins are scaled without rounding. */
+/*
+ * Finds the scales that bring the rays of a packet into units. Returns those of `lanes` that float carries there, where
+ * origins are scaled without rounding.
+ */
 static MLRT_NOINLINE uint32_t find_ray_scales(const struct mlrt_packet *packet, uint32_t lanes, float unit,
                                               struct mlrt_ray_scales *scales)
 {
