@@ -1010,12 +1010,41 @@ static void crops_beyond_the_picture(void **state)
     mlrt_destroy_tree(tree);
 }
 
+static int32_t end_render(void *user, const mlrt_tile *tile)
+{
+    (void)user;
+    (void)tile;
+    return 1;
+}
+
 static void pictures_that_are_too_large(void **state)
 {
     (void)state;
+    mlrt_tree *tree = some_tree();
     mlrt_camera camera = good_camera();
     camera.width = camera.height = 1u << 23;
     assert_camera(&camera, MLRT_ERROR_TOO_LARGE);
+    camera.crop_height = 256; // 2^31 pixels
+    assert_camera(&camera, MLRT_ERROR_TOO_LARGE);
+    camera.crop_height = 255;
+    assert_int_equal(mlrt_render_tiles(tree, &camera, NULL, NULL, end_render, NULL), MLRT_ERROR_CANCELLED);
+    mlrt_destroy_tree(tree);
+}
+
+static void meshes_that_are_too_large(void **state)
+{
+    (void)state;
+    mlrt_mesh meshes[2] = {{.struct_size = sizeof *meshes}, {.struct_size = sizeof *meshes}};
+    mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
+    for (size_t last = 0; last < 2; last++) { // triangles of the last mesh
+        meshes[0].triangle_count = ((size_t)1 << 30) - 1 - last;
+        meshes[1].triangle_count = last;
+        assert_int_equal(mlrt_estimate_tree(meshes, 2, NULL, &estimate), MLRT_OK);
+        assert_int_equal(mlrt_estimate_kdtree(meshes, 2, NULL, &estimate), MLRT_OK);
+        meshes[1].triangle_count++;
+        assert_int_equal(mlrt_estimate_tree(meshes, 2, NULL, &estimate), MLRT_ERROR_TOO_LARGE);
+        assert_int_equal(mlrt_estimate_kdtree(meshes, 2, NULL, &estimate), MLRT_ERROR_TOO_LARGE);
+    }
 }
 
 static void rendering_without_arguments(void **state)
@@ -2268,6 +2297,7 @@ int main(void)
         cmocka_unit_test(cameras_with_a_wrong_size_or_projection),
         cmocka_unit_test(crops_beyond_the_picture),
         cmocka_unit_test(pictures_that_are_too_large),
+        cmocka_unit_test(meshes_that_are_too_large),
         cmocka_unit_test(rendering_without_arguments),
         cmocka_unit_test(strides_of_rays_and_hits_that_are_too_large),
         cmocka_unit_test(strides_of_pictures_and_points_that_are_too_large),

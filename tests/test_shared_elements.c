@@ -366,6 +366,13 @@ static void groups_must_divide_the_count(void **state)
     assert_int_equal(lines.count, 2);
     arrays.rays.rays_per_origin = 101;
     assert_int_equal(mlrt_trace_packet(fixture.tree, &arrays.rays, NULL, &results.closest), MLRT_ERROR_ARGUMENT);
+    for (arrays.rays.count = 98; arrays.rays.count <= 100; arrays.rays.count++) {
+        for (uint32_t k = 1; k <= 7; k++) {
+            arrays.rays.rays_per_origin = k;
+            assert_int_equal(mlrt_trace_packet(fixture.tree, &arrays.rays, NULL, &results.closest),
+                             arrays.rays.count % k ? MLRT_ERROR_ARGUMENT : MLRT_OK);
+        }
+    }
     arrays.rays.count = 0;
     assert_int_equal(mlrt_trace_packet(fixture.tree, &arrays.rays, NULL, &results.closest), MLRT_OK);
     arrays.rays.count = 100;
