@@ -26,8 +26,8 @@ struct mlrt_job;
 
 /*
  * Traces the rays of a job, which are at most MLRT_PACKET_RAYS of arrays, one by one through boxes, and writes the
- * results to the frame. All rays are read before a result is written, since arrays may overlap. Returns 0, and does
- * nothing, if it is faster to trace them together.
+ * results to the frame. All rays are read before a result is written, so results may lie on rays, which mlrt.h does
+ * not promise. Returns 0, and does nothing, if it is faster to trace them together.
  */
 int mlrt_trace_few_rays(const struct mlrt_job *job);
 
