@@ -177,7 +177,6 @@ MLRT_INLINE void set_lone_ray(const mlrt_tree *tree, const mlrt_ray *ray, const 
 {
     lone->given_origin = ray->origin;
     lone->given_direction = ray->direction;
-    lone->kernels = options && options->isa ? mlrt_known_kernels(tree->structure, options->isa) : NULL;
     lone->any = options ? options->query : 0;
     lone->mask = options && options->mask ? options->mask : MLRT_MASK_ALL;
     lone->skip = ray->flags ? mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle) : MLRT_NONE;
@@ -195,6 +194,7 @@ static MLRT_NOINLINE int32_t trace_any_ray(const mlrt_tree *tree, const mlrt_ray
     }
     if (ray->flags & ~(uint32_t)MLRT_RAY_SKIP) return mlrt_check_fields(MLRT_STRUCT_RAY, "ray", 0, ray);
     set_lone_ray(tree, ray, options, &lone);
+    lone.kernels = NULL;
     lone.t_min = ray->t_min;
     lone.t_max = resolve_t_max(ray);
     int is_plain = tree->structure->tracer.method == MLRT_METHOD_TILE && (!options || mlrt_are_plain(options));
@@ -210,13 +210,24 @@ static MLRT_NOINLINE int32_t trace_any_ray(const mlrt_tree *tree, const mlrt_ray
     return MLRT_OK;
 }
 
+/* The kernels for options, as far as they are known at once. */
+MLRT_INLINE const struct mlrt_kernels *known_kernels(const mlrt_tree *tree, const mlrt_trace_options *options)
+{
+    return mlrt_known_kernels(tree->structure, options ? options->isa : MLRT_ISA_AUTO);
+}
+
 /* Traces a ray of a usual call that meets the box of the scene. */
 static MLRT_NOINLINE int32_t trace_usual_ray(const mlrt_tree *tree, const mlrt_ray *ray,
                                              const mlrt_trace_options *options, struct mlrt_lone_ray *lone,
                                              uint64_t environment, mlrt_hit *hit)
 {
+    const struct mlrt_kernels *kernels = known_kernels(tree, options);
+    if (MLRT_UNLIKELY(!kernels)) {
+        mlrt_leave_fp_environment(environment);
+        return trace_any_ray(tree, ray, options, hit);
+    }
     set_lone_ray(tree, ray, options, lone);
-    mlrt_trace_in_scene(tree, lone, hit);
+    (void)kernels->trace_ray(tree, lone, hit);
     mlrt_leave_fp_environment(environment);
     return MLRT_OK;
 }
@@ -228,8 +239,7 @@ MLRT_INLINE int is_usual_call(const mlrt_tree *tree, const mlrt_ray *ray, const 
     static const float one = 1; /* compared as bits, which takes fewer steps */
     return tree && !memcmp(&tree->bvh.unit, &one, sizeof one) && ray && ray->struct_size == sizeof *ray && hit &&
            hit->struct_size == sizeof *hit && ray->flags <= MLRT_RAY_SKIP &&
-           (!options || (options->struct_size == sizeof *options && mlrt_are_plain(options) &&
-                         (!options->isa || mlrt_known_kernels(tree->structure, options->isa))));
+           (!options || (options->struct_size == sizeof *options && mlrt_are_plain(options)));
 }
 
 /* Traces usual calls in the floating-point environment of the library; trace_any_ray traces the others. */
@@ -242,6 +252,10 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
         return trace_any_ray(tree, ray, options, hit);
     switch (mlrt_take_lone_ray(&tree->bvh.whole, ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &lone)) {
     case MLRT_LONE_RAY_MISSES:
+        if (MLRT_UNLIKELY(options && options->isa && !known_kernels(tree, options))) {
+            mlrt_leave_fp_environment(environment);
+            return trace_any_ray(tree, ray, options, hit);
+        }
         mlrt_set_miss(options ? options->query : 0, hit);
         mlrt_leave_fp_environment(environment);
         return MLRT_OK;

@@ -112,6 +112,9 @@ struct mlrt_worker_sinks {
     uint32_t count;
 };
 
+/* rays/lone_ray.h */
+struct mlrt_lone_ray;
+
 /* The state of one worker, in cache lines of its own. */
 struct mlrt_worker {
     MLRT_ALIGNED(64) mlrt_counters counters;
@@ -124,11 +127,9 @@ struct mlrt_worker {
     struct mlrt_hit_term_cache hit_terms;
     uint32_t mesh; /* position of the mesh that was hit last */
     struct mlrt_watch watch;
+    const struct mlrt_lone_ray *lone;  /* the only ray, while its packet is not filled (trace/units.h), else NULL */
     struct mlrt_scaled_packet *scaled; /* the packet in units while its rays go alone (trace/units.h), else NULL */
 };
-
-/* rays/lone_ray.h */
-struct mlrt_lone_ray;
 
 /* The functions of an instruction set, for one structure. They are all that is called through a table. */
 struct mlrt_kernels {

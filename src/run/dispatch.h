@@ -24,6 +24,7 @@ extern int32_t mlrt_known_isa;
 static inline const struct mlrt_kernels *mlrt_known_kernels(const struct mlrt_structure *structure, int32_t isa)
 {
     const int32_t widest = __atomic_load_n(&mlrt_known_isa, __ATOMIC_RELAXED);
+    if (isa == MLRT_ISA_AUTO) isa = widest;
     return (uint32_t)isa <= (uint32_t)widest ? structure->tracer.kernels[isa] : NULL;
 }
 

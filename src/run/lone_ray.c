@@ -26,11 +26,6 @@ static const struct mlrt_kernels *kernels_of(const mlrt_tree *tree, const struct
     return ray->kernels ? ray->kernels : mlrt_widest_kernels(tree->structure);
 }
 
-void mlrt_trace_in_scene(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
-{
-    (void)kernels_of(tree, ray)->trace_ray(tree, ray, hit);
-}
-
 void mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
     if (MLRT_UNLIKELY(tree->bvh.unit != 1)) {
@@ -40,7 +35,7 @@ void mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_
     switch (
         mlrt_take_lone_ray(&tree->bvh.whole, ray->given_origin, ray->given_direction, ray->t_min, ray->t_max, ray)) {
     case MLRT_LONE_RAY_MAY_HIT:
-        mlrt_trace_in_scene(tree, ray, hit);
+        (void)kernels_of(tree, ray)->trace_ray(tree, ray, hit);
         break;
     case MLRT_LONE_RAY_NOT_CARRIED:
         mlrt_trace_by_ray(tree, ray, NULL, hit);

@@ -9,9 +9,6 @@
 #include "mlrt.h"
 #include "rays/lone_ray.h"
 
-/* Traces a ray that meets the box of the scene (rays/meet_scene.h), through boxes whose unit is 1. */
-void mlrt_trace_in_scene(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit);
-
 /*
  * Traces a ray through boxes; in double if float does not carry it. The caller has set its numbers as given, and
  * kernels, mask, `skip` and `any`, which are left as they are.

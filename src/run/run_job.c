@@ -143,6 +143,7 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
     worker->mesh = 0;
     worker->watch.progress = NULL;
     worker->watch.slow_steps = 0;
+    worker->lone = NULL;
     worker->scaled = NULL;
     worker->watch.stopped = 0;
 }

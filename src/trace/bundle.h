@@ -124,10 +124,9 @@ struct mlrt_hull {
     float last;
 };
 
-/* 1 / d of the rays of a packet that are traced one by one, moved toward 0 and away from it (single_ray.h). */
+/* 1 / d, rounded, of the rays of a packet that are traced one by one (single_ray.h). */
 struct mlrt_reciprocals {
-    MLRT_ALIGNED(64) float near[3][MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float far[3][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float rounded[3][MLRT_PACKET_RAYS];
 };
 
 struct mlrt_bundle_cache;

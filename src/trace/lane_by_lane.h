@@ -93,6 +93,8 @@ struct lanes_hull {
 /* The search of a packet: its rays as they are tested against boxes, and its stack. */
 struct lanes_search {
     struct mlrt_reciprocals reciprocals;
+    MLRT_ALIGNED(64) float near[3][MLRT_PACKET_RAYS]; /* reciprocals, moved toward 0 */
+    MLRT_ALIGNED(64) float far[3][MLRT_PACKET_RAYS];  /* moved away from 0 */
     uint32_t negative[3]; /* lanes whose d_k is below 0 */
     struct lanes_hull hull;
     int one_origin;
@@ -149,6 +151,13 @@ static MLRT_NOINLINE float highest_of(const float *values, uint32_t lanes)
 static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes, struct lanes_search *search)
 {
     set_reciprocals(packet, &search->reciprocals);
+    for (int k = 0; k < 3; ++k) {
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            const vf r = v_load(search->reciprocals.rounded[k] + v);
+            v_store(search->near[k] + v, v_mul(r, v_set1(1 - RECIPROCAL_SLACK)));
+            v_store(search->far[k] + v, v_mul(r, v_set1(1 + RECIPROCAL_SLACK)));
+        }
+    }
     search->alive = lanes;
     search->count = 0;
     search->hull.least_t_min = lowest_of(packet->t_min, lanes);
@@ -176,8 +185,8 @@ static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes
         }
         search->hull.lo[k] = lowest_of(packet->origin[k], lanes);
         search->hull.hi[k] = highest_of(packet->origin[k], lanes);
-        const float *smaller = negative ? search->reciprocals.far[k] : search->reciprocals.near[k];
-        const float *larger = negative ? search->reciprocals.near[k] : search->reciprocals.far[k];
+        const float *smaller = negative ? search->far[k] : search->near[k];
+        const float *larger = negative ? search->near[k] : search->far[k];
         search->hull.reciprocal_lo[k] = lowest_of(smaller, lanes);
         search->hull.reciprocal_hi[k] = highest_of(larger, lanes);
     }
@@ -228,8 +237,8 @@ MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struc
             const vm down = m_from_bits(search->negative[k] >> v);
             const vf origin = v_load(packet->origin[k] + v);
             const vf to_near = v_sub(v_select(down, hi, lo), origin), to_far = v_sub(v_select(down, lo, hi), origin);
-            first = v_max(v_mul(to_near, v_load(search->reciprocals.near[k] + v)), first);
-            last = v_min(v_mul(to_far, v_load(search->reciprocals.far[k] + v)), last);
+            first = v_max(v_mul(to_near, v_load(search->near[k] + v)), first);
+            last = v_min(v_mul(to_far, v_load(search->far[k] + v)), last);
         }
         const vm hit = m_and(m_from_bits(lanes >> v), v_le(first, last));
         nearest = v_min(v_select(hit, any ? v_sub(first, last) : first, v_set1(INFINITY)), nearest);
@@ -308,8 +317,8 @@ MLRT_INLINE uint32_t test_boxes_by_lanes(const struct mlrt_packet *packet, const
                     to_near = v_sub(to_near, origin);
                     to_far = v_sub(to_far, origin);
                 }
-                first[i] = v_max(v_mul(to_near, v_set1(search->reciprocals.near[k][lane])), first[i]);
-                last[i] = v_min(v_mul(to_far, v_set1(search->reciprocals.far[k][lane])), last[i]);
+                first[i] = v_max(v_mul(to_near, v_set1(search->near[k][lane])), first[i]);
+                last[i] = v_min(v_mul(to_far, v_set1(search->far[k][lane])), last[i]);
             }
         }
         MLRT_UNROLL
@@ -622,7 +631,8 @@ static MLRT_NOINLINE void trace_few_lanes(const struct mlrt_job *job, uint32_t c
 {
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
-        trace_single(job, &search->reciprocals, lane, child, packet, worker);
+        const struct ray_rows rows = rows_of_lane(packet, &search->reciprocals, lane);
+        trace_single(job, &rows, lane, child, packet, worker);
         if (job->any && packet->nearest.triangle[lane] != MLRT_NONE) search->alive &= ~(1u << lane);
     }
 }

@@ -30,9 +30,12 @@ static int trace_one_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ra
     struct mlrt_corners corners;
     struct mlrt_hit_report report;
     if (MLRT_UNLIKELY(tree->bvh.unit != 1)) return trace_one_in_units(tree, ray, hit);
-    const uint32_t number = tree->bvh.node_count > 0 ? trace_lone_ray(tree, ray, &corners) : MLRT_NONE;
-    if (number == MLRT_NONE || ray->any ||
-        MLRT_UNLIKELY(!report_one_ray(&corners, ray->origin, ray->direction, &report))) {
+    const uint32_t number = tree->bvh.node_count > 0 ? trace_lone_ray(tree, ray, NULL, &corners) : MLRT_NONE;
+    if (ray->any) {
+        hit->occluded = number != MLRT_NONE;
+        return 1;
+    }
+    if (number == MLRT_NONE || MLRT_UNLIKELY(!report_one_ray(&corners, ray->origin, ray->direction, &report))) {
         mlrt_set_result(tree, ray, number, hit);
         return 1;
     }

@@ -101,25 +101,41 @@ MLRT_INLINE void set_reciprocals(const struct mlrt_packet *packet, struct mlrt_r
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            const vf r = v_div(v_set1(1), v_load(packet->direction[k] + v));
-            v_store(reciprocals->near[k] + v, v_mul(r, v_set1(1 - RECIPROCAL_SLACK)));
-            v_store(reciprocals->far[k] + v, v_mul(r, v_set1(1 + RECIPROCAL_SLACK)));
+            v_store(reciprocals->rounded[k] + v, v_div(v_set1(1), v_load(packet->direction[k] + v)));
         }
     }
 }
 
-MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct mlrt_reciprocals *reciprocals,
-                                uint32_t lane, struct single_ray *ray)
+/* Where the numbers of a ray lie: those of one vector are `step` floats apart. */
+struct ray_rows {
+    const float *origin;
+    const float *direction;
+    const float *reciprocal; /* 1 / d, rounded */
+    size_t origin_step;
+    size_t step;
+};
+
+/* Finds the numbers of a lane of a packet. */
+MLRT_INLINE struct ray_rows rows_of_lane(const struct mlrt_packet *packet, const struct mlrt_reciprocals *reciprocals,
+                                         uint32_t lane)
+{
+    return (struct ray_rows){packet->has.apex ? packet->apex : packet->origin[0] + lane, packet->direction[0] + lane,
+                             reciprocals->rounded[0] + lane, packet->has.apex ? 1 : MLRT_PACKET_RAYS, MLRT_PACKET_RAYS};
+}
+
+MLRT_INLINE void set_single_ray(const struct ray_rows *rows, const struct mlrt_packet *packet, uint32_t lane,
+                                struct single_ray *ray)
 {
     float reach = 0;
     MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        const float d = packet->direction[k][lane];
-        const size_t lo = (size_t)k * sizeof(float[MLRT_BVH_WIDTH]), hi = lo + 3 * sizeof(float[MLRT_BVH_WIDTH]);
-        ray->origin[k] = v_set1(packet->has.apex ? packet->apex[k] : packet->origin[k][lane]);
+    for (size_t k = 0; k < 3; ++k) {
+        const float d = rows->direction[k * rows->step];
+        const float r = rows->reciprocal[k * rows->step];
+        const size_t lo = k * sizeof(float[MLRT_BVH_WIDTH]), hi = lo + 3 * sizeof(float[MLRT_BVH_WIDTH]);
+        ray->origin[k] = v_set1(rows->origin[k * rows->origin_step]);
         ray->direction[k] = v_set1(d);
-        ray->near[k] = v_set1(-reciprocals->near[k][lane]);
-        ray->far[k] = v_set1(-reciprocals->far[k][lane]);
+        ray->near[k] = v_set1(r * (RECIPROCAL_SLACK - 1));
+        ray->far[k] = v_set1(r * (-RECIPROCAL_SLACK - 1));
         ray->near_row[k] = d < 0 ? hi : lo;
         ray->far_row[k] = d < 0 ? lo : hi;
         reach = larger_of(fabsf(d), reach);
@@ -420,9 +436,8 @@ MLRT_INLINE float finite_limit(float hi)
  * Traces one lane of a packet through `child` and the tree below it. Returns where the corners of its nearest hit lie;
  * if nothing nearer was found, `corner` is NULL.
  */
-static MLRT_NOINLINE struct mlrt_corners trace_single(const struct mlrt_job *job,
-                                                      const struct mlrt_reciprocals *reciprocals, uint32_t lane,
-                                                      uint32_t child, struct mlrt_packet *packet,
+static MLRT_NOINLINE struct mlrt_corners trace_single(const struct mlrt_job *job, const struct ray_rows *rows,
+                                                      uint32_t lane, uint32_t child, struct mlrt_packet *packet,
                                                       struct mlrt_worker *worker)
 {
     const struct mlrt_bvh_node *nodes = job->tree->bvh.nodes;
@@ -432,7 +447,7 @@ static MLRT_NOINLINE struct mlrt_corners trace_single(const struct mlrt_job *job
     struct mlrt_corners nearest = {NULL, 0, 1};
     uint32_t count = 0;
     struct single_ray ray;
-    set_single_ray(packet, reciprocals, lane, &ray);
+    set_single_ray(rows, packet, lane, &ray);
     float limit = finite_limit(packet->nearest.hi[lane]);
     COUNT(&worker->counters, packet_count, 1);
     for (;;) {
@@ -462,51 +477,35 @@ static MLRT_NOINLINE struct mlrt_corners trace_single(const struct mlrt_job *job
 }
 
 /*
- * Traces a ray as lane 0 of a packet. Returns the number of the triangle that it hits, and sets *corners. The worker is
- * one of this call, of which only the fields set here are used: with room for one plane and one pair of triangles.
+ * Traces a ray through boxes, as lane 0 of a packet; `scaled` is NULL if their unit is 1. Returns the number of the
+ * triangle that it hits, and sets *corners. The worker is one of this call, of which only the fields set here are used,
+ * with room for one plane and one pair of triangles; fill_lone_packet (units.h) sets others where they are needed.
  */
-static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct mlrt_lone_ray *ray,
-                                struct mlrt_scaled_packet *scaled, struct mlrt_corners *corners)
+static MLRT_NOINLINE uint32_t trace_lone_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
+                                             struct mlrt_scaled_packet *scaled, struct mlrt_corners *corners)
 {
+    const struct ray_rows rows = {ray->origin, ray->direction, ray->reciprocal, 1, 1};
     struct mlrt_packet own, *packet = scaled ? &scaled->rays : &own;
-    struct mlrt_reciprocals reciprocals;
     struct mlrt_known_plane plane;
     struct mlrt_triangle_pair pair;
     struct mlrt_worker worker;
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        packet->origin[k][0] = ray->origin[k];
-        packet->direction[k][0] = ray->direction[k];
-        reciprocals.near[k][0] = ray->reciprocal[k] * (1 - RECIPROCAL_SLACK);
-        reciprocals.far[k][0] = ray->reciprocal[k] * (1 + RECIPROCAL_SLACK);
-    }
-    packet->t_min[0] = ray->t_min;
-    packet->t_max[0] = packet->nearest.lo[0] = packet->nearest.hi[0] = ray->t_max;
-    packet->nearest.triangle[0] = MLRT_NONE;
-    packet->skip[0] = ray->skip;
-    packet->has.skip = ray->skip != MLRT_NONE;
-    packet->has.apex = packet->has.masks = 0;
-    worker.mask = ray->mask;
-    worker.known.planes = &plane;
-    worker.known.pairs = &pair;
-    worker.known.plane_mask = worker.known.pair_mask = 0;
-    plane.number = MLRT_NONE;
-    pair.first = pair.second = 0;
-    worker.watch.progress = NULL;
-    worker.scaled = scaled;
-    CLEAR_COUNTS(&worker);
-    *corners = trace_single(job, &reciprocals, 0, 0, packet, &worker);
-    return packet->nearest.triangle[0];
-}
-
-/* Traces a ray through boxes whose unit is 1. Returns the number of the triangle that it hits, and sets *corners. */
-static uint32_t trace_lone_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
-                               struct mlrt_corners *corners)
-{
     struct mlrt_job job;
     job.tree = tree;
     job.any = ray->any;
-    return trace_lone_lane(&job, ray, NULL, corners);
+    packet->t_min[0] = ray->t_min;
+    packet->nearest.lo[0] = packet->nearest.hi[0] = ray->t_max;
+    packet->nearest.triangle[0] = MLRT_NONE;
+    packet->skip[0] = ray->skip;
+    packet->has.skip = ray->skip != MLRT_NONE;
+    packet->has.masks = 0;
+    worker.mask = ray->mask;
+    worker.known.planes = &plane;
+    worker.known.pairs = &pair;
+    worker.lone = ray;
+    worker.scaled = scaled;
+    CLEAR_COUNTS(&worker);
+    *corners = trace_single(&job, &rows, 0, 0, packet, &worker);
+    return packet->nearest.triangle[0];
 }
 
 /*
@@ -519,7 +518,6 @@ static int trace_scaled_ray(const struct mlrt_tree *tree, const struct mlrt_ray_
     struct mlrt_packet packet;
     struct mlrt_scaled_packet scaled;
     struct mlrt_lone_ray ray;
-    struct mlrt_job job;
     struct mlrt_corners corners;
     for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) { /* all lanes are brought into units */
         for (int k = 0; k < 3; ++k) {
@@ -543,9 +541,8 @@ static int trace_scaled_ray(const struct mlrt_tree *tree, const struct mlrt_ray_
     ray.t_max = scaled.rays.nearest.hi[0];
     ray.mask = segment->mask;
     ray.skip = skip;
-    job.tree = tree;
-    job.any = any;
-    *number = trace_lone_lane(&job, &ray, &scaled, &corners);
+    ray.any = any;
+    *number = trace_lone_ray(tree, &ray, &scaled, &corners);
     return 1;
 }
 

@@ -219,12 +219,29 @@ static int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers,
     return changed | mlrt_decide_triangles(job, numbers, undecided, inside, lane, packet, worker, COUNTERS(worker));
 }
 
+/* Sets what of the packet and the worker of a ray of its own (single_ray.h) only the decisions below need. */
+static void fill_lone_packet(struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    for (int k = 0; k < 3; ++k) {
+        packet->origin[k][0] = worker->lone->origin[k];
+        packet->direction[k][0] = worker->lone->direction[k];
+    }
+    packet->t_max[0] = worker->lone->t_max;
+    packet->has.apex = 0;
+    worker->known.plane_mask = worker->known.pair_mask = 0;
+    worker->known.planes->number = MLRT_NONE;
+    worker->known.pairs->first = worker->known.pairs->second = 0;
+    worker->watch.progress = NULL;
+    worker->lone = NULL;
+}
+
 /* As decide_triangles, for a packet that may be in units. */
 static MLRT_NOINLINE int decide_scaled_triangles(const struct mlrt_job *job, const uint32_t *numbers,
                                                  uint32_t undecided, uint32_t inside, uint32_t lane,
                                                  struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     struct mlrt_scaled_packet *scaled = worker->scaled;
+    if (worker->lone) fill_lone_packet(packet, worker);
     if (MLRT_LIKELY(!scaled)) return decide_triangles(job, numbers, undecided, inside, lane, packet, worker);
     take_scaled_hits(scaled, 1u << lane);
     const int changed = decide_triangles(job, numbers, undecided, inside, lane, scaled->given, worker);
