@@ -216,7 +216,7 @@ MLRT_INLINE const struct mlrt_kernels *known_kernels(const mlrt_tree *tree, cons
     return mlrt_known_kernels(tree->structure, options ? options->isa : MLRT_ISA_AUTO);
 }
 
-/* Traces a ray of a usual call that meets the box of the scene. */
+/* Traces a ray of a usual call that meets the box of the scene. The caller restores `environment`. */
 static MLRT_NOINLINE int32_t trace_usual_ray(const mlrt_tree *tree, const mlrt_ray *ray,
                                              const mlrt_trace_options *options, struct mlrt_lone_ray *lone,
                                              uint64_t environment, mlrt_hit *hit)
@@ -227,9 +227,7 @@ static MLRT_NOINLINE int32_t trace_usual_ray(const mlrt_tree *tree, const mlrt_r
         return trace_any_ray(tree, ray, options, hit);
     }
     set_lone_ray(tree, ray, options, lone);
-    (void)kernels->trace_ray(tree, lone, hit);
-    mlrt_leave_fp_environment(environment);
-    return MLRT_OK;
+    return kernels->trace_ray(tree, lone, hit);
 }
 
 /* Is this a call as most programs make it, for one ray through boxes whose unit is 1? A kd-tree has a unit of 0. */
@@ -248,6 +246,7 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
 {
     struct mlrt_lone_ray lone;
     uint64_t environment;
+    int32_t status;
     if (MLRT_UNLIKELY(!is_usual_call(tree, ray, options, hit) || !mlrt_has_usual_fp_environment(&environment)))
         return trace_any_ray(tree, ray, options, hit);
     switch (mlrt_take_lone_ray(&tree->bvh.whole, ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &lone)) {
@@ -260,7 +259,9 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
         mlrt_leave_fp_environment(environment);
         return MLRT_OK;
     case MLRT_LONE_RAY_MAY_HIT:
-        return trace_usual_ray(tree, ray, options, &lone, environment, hit);
+        status = trace_usual_ray(tree, ray, options, &lone, environment, hit);
+        mlrt_leave_fp_environment(environment);
+        return status;
     default:
         mlrt_leave_fp_environment(environment); /* the comparisons may have raised flags */
         return trace_any_ray(tree, ray, options, hit);

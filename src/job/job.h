@@ -138,9 +138,10 @@ struct mlrt_kernels {
     /*
      * Traces one ray in float, without counting, and sets the fields of the hit that its query writes. Where the unit
      * of the boxes is 1, the ray must meet the box of the scene. Elsewhere it is brought into units; if float does not
-     * carry it there, this returns 0 and sets nothing. The kernels of the kd-tree have NULL. trace/one_ray.h
+     * carry it there, this sets nothing and returns another status than MLRT_OK. The kernels of the kd-tree have NULL.
+     * trace/one_ray.h
      */
-    int (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit);
+    int32_t (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit);
 };
 
 /*

@@ -10,34 +10,46 @@
 #include "rays/lone_ray.h"
 #include "trace/single_ray.h"
 
-/* Traces a ray through boxes whose unit is not 1. Returns 0 and sets nothing if float does not carry it into units. */
-static MLRT_NOINLINE int trace_one_in_units(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
-                                            mlrt_hit *hit)
+/*
+ * Traces a ray through boxes, as lane 0 of a packet, and sets the hit. `scaled` has the packet in units, in which the
+ * numbers of the ray are too; it is NULL if the unit is 1. The worker is one of this call, of which only the fields set
+ * here are used, with room for one plane and one pair of triangles; fill_lone_packet (units.h) sets others where they
+ * are needed.
+ */
+static MLRT_NOINLINE int32_t trace_lone_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
+                                            struct mlrt_scaled_packet *scaled, mlrt_hit *hit)
 {
-    struct mlrt_ray_segment segment;
-    uint32_t number = MLRT_NONE;
-    if (tree->bvh.node_count > 0 && mlrt_get_lone_segment(ray, &segment) &&
-        !trace_scaled_ray(tree, &segment, ray->any, ray->skip, &number)) {
-        return 0;
-    }
-    mlrt_set_result(tree, ray, number, hit);
-    return 1;
-}
-
-/* The function `trace_ray` of job/job.h. */
-static int trace_one_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
-{
-    struct mlrt_corners corners;
+    const struct ray_rows rows = {ray->origin, ray->direction, ray->reciprocal, 1, 1};
+    struct mlrt_packet own, *packet = scaled ? &scaled->rays : &own;
+    struct mlrt_known_plane plane;
+    struct mlrt_triangle_pair pair;
+    struct mlrt_worker worker;
+    struct mlrt_job job;
     struct mlrt_hit_report report;
-    if (MLRT_UNLIKELY(tree->bvh.unit != 1)) return trace_one_in_units(tree, ray, hit);
-    const uint32_t number = tree->bvh.node_count > 0 ? trace_lone_ray(tree, ray, NULL, &corners) : MLRT_NONE;
+    job.tree = tree;
+    job.any = ray->any;
+    packet->t_min[0] = ray->t_min;
+    packet->nearest.lo[0] = packet->nearest.hi[0] = ray->t_max;
+    packet->nearest.triangle[0] = MLRT_NONE;
+    packet->skip[0] = ray->skip;
+    packet->has.skip = ray->skip != MLRT_NONE;
+    packet->has.masks = 0;
+    worker.mask = ray->mask;
+    worker.known.planes = &plane;
+    worker.known.pairs = &pair;
+    worker.lone = ray;
+    worker.scaled = scaled;
+    CLEAR_COUNTS(&worker);
+    const struct mlrt_corners corners = trace_single(&job, &rows, 0, 0, packet, &worker);
+    const uint32_t number = packet->nearest.triangle[0];
     if (ray->any) {
         hit->occluded = number != MLRT_NONE;
-        return 1;
+        return MLRT_OK;
     }
-    if (number == MLRT_NONE || MLRT_UNLIKELY(!report_one_ray(&corners, ray->origin, ray->direction, &report))) {
+    if (number == MLRT_NONE || scaled ||
+        MLRT_UNLIKELY(!report_one_ray(&corners, ray->origin, ray->direction, &report))) {
         mlrt_set_result(tree, ray, number, hit);
-        return 1;
+        return MLRT_OK;
     }
     mlrt_find_ids(tree, number, &hit->mesh, &hit->triangle);
     hit->t = report.t;
@@ -45,7 +57,49 @@ static int trace_one_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ra
     hit->v = report.v;
     hit->facing = report.facing;
     hit->occluded = 1;
-    return 1;
+    return MLRT_OK;
+}
+
+/* Traces a ray through boxes whose unit is not 1. Returns another status if float does not carry it into units. */
+static MLRT_NOINLINE int32_t trace_one_in_units(const struct mlrt_tree *tree, const struct mlrt_lone_ray *given,
+                                                mlrt_hit *hit)
+{
+    struct mlrt_ray_segment segment;
+    struct mlrt_packet packet;
+    struct mlrt_scaled_packet scaled;
+    struct mlrt_lone_ray ray = *given;
+    if (tree->bvh.node_count == 0 || !mlrt_get_lone_segment(given, &segment)) {
+        mlrt_set_result(tree, given, MLRT_NONE, hit);
+        return MLRT_OK;
+    }
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) { /* all lanes are brought into units */
+        for (int k = 0; k < 3; ++k) {
+            packet.origin[k][lane] = segment.origin[k];
+            packet.direction[k][lane] = segment.direction[k];
+        }
+        packet.t_min[lane] = segment.t_min;
+        packet.t_max[lane] = packet.nearest.lo[lane] = packet.nearest.hi[lane] = segment.t_max;
+    }
+    packet.nearest.triangle[0] = MLRT_NONE;
+    packet.skip[0] = given->skip;
+    packet.has.skip = given->skip != MLRT_NONE;
+    packet.has.apex = packet.has.masks = 0;
+    if (!scale_packet(1, tree->bvh.unit, &packet, &scaled)) return MLRT_ERROR_UNSUPPORTED;
+    for (int k = 0; k < 3; ++k) {
+        ray.origin[k] = scaled.rays.origin[k][0];
+        ray.direction[k] = scaled.rays.direction[k][0];
+        ray.reciprocal[k] = 1 / ray.direction[k];
+    }
+    ray.t_min = scaled.rays.t_min[0];
+    ray.t_max = scaled.rays.nearest.hi[0];
+    return trace_lone_ray(tree, &ray, &scaled, hit);
+}
+
+/* The function `trace_ray` of job/job.h. */
+static int32_t trace_one_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
+{
+    if (MLRT_UNLIKELY(tree->bvh.unit != 1 || tree->bvh.node_count == 0)) return trace_one_in_units(tree, ray, hit);
+    return trace_lone_ray(tree, ray, NULL, hit);
 }
 
 #endif
