@@ -171,15 +171,19 @@ static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const ml
     return status;
 }
 
+/* The number of the triangle that a ray passes through, or MLRT_NONE. */
+MLRT_INLINE uint32_t skipped_triangle(const mlrt_tree *tree, const mlrt_ray *ray)
+{
+    return ray->flags ? mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle) : MLRT_NONE;
+}
+
 /* Sets what of a ray follows from options, which are plain; NULL = defaults. */
-MLRT_INLINE void set_lone_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
-                              struct mlrt_lone_ray *lone)
+MLRT_INLINE void set_lone_ray(const mlrt_ray *ray, const mlrt_trace_options *options, struct mlrt_lone_ray *lone)
 {
     lone->given_origin = ray->origin;
     lone->given_direction = ray->direction;
     lone->any = options ? options->query : 0;
     lone->mask = options && options->mask ? options->mask : MLRT_MASK_ALL;
-    lone->skip = ray->flags ? mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle) : MLRT_NONE;
 }
 
 /* As mlrt_trace_ray, for any arguments. */
@@ -193,8 +197,9 @@ static MLRT_NOINLINE int32_t trace_any_ray(const mlrt_tree *tree, const mlrt_ray
         return trace_versioned_ray(tree, ray, options, hit);
     }
     if (ray->flags & ~(uint32_t)MLRT_RAY_SKIP) return mlrt_check_fields(MLRT_STRUCT_RAY, "ray", 0, ray);
-    set_lone_ray(tree, ray, options, &lone);
+    set_lone_ray(ray, options, &lone);
     lone.kernels = NULL;
+    lone.skip = skipped_triangle(tree, ray);
     lone.t_min = ray->t_min;
     lone.t_max = resolve_t_max(ray);
     int is_plain = tree->structure->tracer.method == MLRT_METHOD_TILE && (!options || mlrt_are_plain(options));
@@ -216,17 +221,36 @@ MLRT_INLINE const struct mlrt_kernels *known_kernels(const mlrt_tree *tree, cons
     return mlrt_known_kernels(tree->structure, options ? options->isa : MLRT_ISA_AUTO);
 }
 
-/* Traces a ray of a usual call that meets the box of the scene. The caller restores `environment`. */
+/* Ends a call that turns out not to be a usual one. */
+static MLRT_NOINLINE int32_t trace_after_all(const mlrt_tree *tree, const mlrt_ray *ray,
+                                             const mlrt_trace_options *options, uint64_t environment, mlrt_hit *hit)
+{
+    mlrt_leave_fp_environment(environment); /* comparisons may have raised flags */
+    return trace_any_ray(tree, ray, options, hit);
+}
+
+/* Traces a ray that skips a triangle. */
+static MLRT_NOINLINE int32_t trace_skipping_ray(const mlrt_tree *tree, const mlrt_ray *ray,
+                                                const struct mlrt_kernels *kernels, struct mlrt_lone_ray *lone,
+                                                mlrt_hit *hit)
+{
+    lone->skip = skipped_triangle(tree, ray);
+    return kernels->trace_ray(tree, lone, hit);
+}
+
+/*
+ * Traces a ray of a usual call that meets the box of the scene. The caller restores *environment. Each call from here is
+ * the last thing that is done, so no registers are kept.
+ */
 static MLRT_NOINLINE int32_t trace_usual_ray(const mlrt_tree *tree, const mlrt_ray *ray,
                                              const mlrt_trace_options *options, struct mlrt_lone_ray *lone,
-                                             uint64_t environment, mlrt_hit *hit)
+                                             const uint64_t *environment, mlrt_hit *hit)
 {
     const struct mlrt_kernels *kernels = known_kernels(tree, options);
-    if (MLRT_UNLIKELY(!kernels)) {
-        mlrt_leave_fp_environment(environment);
-        return trace_any_ray(tree, ray, options, hit);
-    }
-    set_lone_ray(tree, ray, options, lone);
+    if (MLRT_UNLIKELY(!kernels)) return trace_after_all(tree, ray, options, *environment, hit);
+    set_lone_ray(ray, options, lone);
+    lone->skip = MLRT_NONE;
+    if (ray->flags) return trace_skipping_ray(tree, ray, kernels, lone, hit);
     return kernels->trace_ray(tree, lone, hit);
 }
 
@@ -251,21 +275,19 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
         return trace_any_ray(tree, ray, options, hit);
     switch (mlrt_take_lone_ray(&tree->bvh.whole, ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &lone)) {
     case MLRT_LONE_RAY_MISSES:
-        if (MLRT_UNLIKELY(options && options->isa && !known_kernels(tree, options))) {
-            mlrt_leave_fp_environment(environment);
-            return trace_any_ray(tree, ray, options, hit);
-        }
+        if (MLRT_UNLIKELY(options && options->isa && !known_kernels(tree, options)))
+            return trace_after_all(tree, ray, options, environment, hit);
         mlrt_set_miss(options ? options->query : 0, hit);
-        mlrt_leave_fp_environment(environment);
-        return MLRT_OK;
+        status = MLRT_OK;
+        break;
     case MLRT_LONE_RAY_MAY_HIT:
-        status = trace_usual_ray(tree, ray, options, &lone, environment, hit);
-        mlrt_leave_fp_environment(environment);
-        return status;
+        status = trace_usual_ray(tree, ray, options, &lone, &environment, hit);
+        break;
     default:
-        mlrt_leave_fp_environment(environment); /* the comparisons may have raised flags */
-        return trace_any_ray(tree, ray, options, hit);
+        return trace_after_all(tree, ray, options, environment, hit);
     }
+    mlrt_leave_fp_environment(environment);
+    return status;
 }
 
 MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
