@@ -128,6 +128,19 @@ MLRT_INLINE vm may_be_inside(const struct float_test *test, vm active)
 }
 
 /*
+ * Those of `candidates` that are not surely before t_min, nor surely behind the nearest hits so far, which lie before
+ * `hi`: the next function calls them nearer or undecided.
+ */
+MLRT_INLINE vm may_be_nearer(const struct float_test *test, vm candidates, vf t_min, vf hi)
+{
+    const vf size = v_abs(test->determinant), distance = v_flip(test->distance, test->determinant);
+    const vf least_d = v_sub(size, test->plane_bound), greatest_d = v_add(size, test->plane_bound);
+    const vf least_n = v_sub(distance, test->distance_bound), greatest_n = v_add(distance, test->distance_bound);
+    const vm farther = m_or(v_gt(least_n, v_mul(hi, greatest_d)), v_lt(greatest_n, v_mul(t_min, least_d)));
+    return m_andnot(candidates, m_and(v_gt(least_d, test->plane_bound), farther));
+}
+
+/*
  * The verdict on `candidates`, which are not surely outside, but for its lo and hi. The nearest hits so far lie between
  * `lo` and `hi`.
  */

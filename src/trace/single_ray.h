@@ -352,11 +352,12 @@ MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *n
                                    struct mlrt_worker *worker)
 {
     const vm ignored = places_without_test(packet, lane, i_load_any(numbers));
-    struct verdict verdict = compare_with_nearest_hits(
-        test, m_andnot(inside, ignored), t_min, v_set1(packet->nearest.lo[lane]), v_set1(packet->nearest.hi[lane]));
-    uint32_t candidates = m_bits(MLRT_GUESS ? verdict.nearer : m_or(verdict.nearer, verdict.undecided)) & places;
-    uint32_t changed = NO_PLACE;
+    const vf hi = v_set1(packet->nearest.hi[lane]);
+    const vm left = may_be_nearer(test, m_andnot(inside, ignored), t_min, hi);
+    uint32_t candidates = m_bits(left) & places, changed = NO_PLACE;
     if (!candidates) return NO_PLACE;
+    struct verdict verdict = compare_with_nearest_hits(test, left, t_min, v_set1(packet->nearest.lo[lane]), hi);
+    if (MLRT_GUESS) candidates &= m_bits(verdict.nearer);
     const uint32_t mask = packet->has.masks ? packet->mask[lane] : worker->mask;
     if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) candidates = mlrt_visible_places(job->tree, numbers, candidates, mask);
     uint32_t undecided = MLRT_GUESS ? 0 : m_bits(verdict.undecided) & candidates;
