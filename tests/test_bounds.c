@@ -1606,7 +1606,8 @@ static void stacks_hold_what_waits(void **state)
     packet.nearest.triangle[0] = MLRT_NONE;
     packet.has.apex = 1;
     set_reciprocals(&packet, &reciprocals);
-    trace_single(&job, &reciprocals, 0, 0, &packet, &worker);
+    const struct ray_rows rows = rows_of_lane(&packet, &reciprocals, 0);
+    trace_single(&job, &rows, 0, 0, &packet, &worker);
     assert_true(packet.nearest.triangle[0] == MLRT_NONE);
 }
 

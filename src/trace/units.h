@@ -18,6 +18,7 @@
 #include "hits/close_calls.h"
 #include "hits/undecided.h"
 #include "rays/check_packet.h"
+#include "rays/lone_ray.h"
 #include "simd/simd.h"
 
 MLRT_INLINE float power_of_two(uint32_t exponent_bits)
