@@ -95,7 +95,7 @@ struct lanes_search {
     struct mlrt_reciprocals reciprocals;
     MLRT_ALIGNED(64) float near[3][MLRT_PACKET_RAYS]; /* reciprocals, moved toward 0 */
     MLRT_ALIGNED(64) float far[3][MLRT_PACKET_RAYS];  /* moved away from 0 */
-    uint32_t negative[3]; /* lanes whose d_k is below 0 */
+    uint32_t negative[3];                             /* lanes whose d_k is below 0 */
     struct lanes_hull hull;
     int one_origin;
     float origin[3]; /* of all rays, if one_origin */
