@@ -57,12 +57,10 @@
 #include <string.h>
 
 #include "base/counters.h"
-#include "exact/segment.h"
+#include "exact/triangle.h"
 #include "hits/triangle_filter.h"
 #include "hits/undecided.h"
-#include "job/write_arrays.h"
 #include "rays/extremes.h"
-#include "rays/lone_ray.h"
 #include "scene/masks.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
