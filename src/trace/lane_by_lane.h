@@ -248,17 +248,24 @@ MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struc
     return met;
 }
 
-/* Puts the boxes that lanes may meet on the stack: tests each of `boxes` against all lanes at once. */
-MLRT_INLINE void push_by_boxes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t boxes,
-                               uint32_t lanes, int any, struct lanes_search *search)
+/* Where and which lanes meet the boxes of a node: as lanes_in_box says, for each box that one of them meets. */
+struct boxes_met {
+    MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
+    MLRT_ALIGNED(64) uint32_t lanes_of[MLRT_BVH_WIDTH];
+};
+
+/* Tests each of `boxes` against all lanes at once. Returns the boxes that a lane may meet. */
+MLRT_INLINE uint32_t meet_by_boxes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t boxes,
+                                   uint32_t lanes, int any, const struct lanes_search *search, struct boxes_met *of)
 {
+    uint32_t met = 0;
+    for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) v_store(of->near + v, v_set1(0));
     for (; boxes; boxes &= boxes - 1) {
         const uint32_t place = mlrt_lowest_bit(boxes);
-        struct pending_lanes *top = &search->stack[search->count];
-        top->child = node->child[place];
-        top->lanes = lanes_in_box(search, packet, node, place, lanes, any, &top->near);
-        search->count += top->lanes != 0;
+        of->lanes_of[place] = lanes_in_box(search, packet, node, place, lanes, any, &of->near[place]);
+        met |= (uint32_t)(of->lanes_of[place] != 0) << place;
     }
+    return met;
 }
 
 /*
@@ -269,13 +276,12 @@ MLRT_INLINE void push_by_boxes(const struct mlrt_packet *packet, const struct ml
 #define BOXES_TOGETHER   (VECTORS_TOGETHER * VW)
 
 /*
- * Tests each lane against the BOXES_TOGETHER boxes from `begin` on. near[i] receives the least t where a lane enters
- * box i (with `any`, minus the longest distance in it), and lanes_of[i] the lanes that may meet it. Returns the boxes
- * that a lane may meet.
+ * Tests each lane against the BOXES_TOGETHER boxes from `begin` on, and sets near and lanes_of of each. Returns the
+ * boxes that a lane may meet.
  */
 MLRT_INLINE uint32_t test_boxes_by_lanes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, int begin,
                                          uint32_t lanes, int any, const struct lanes_search *search,
-                                         float near[MLRT_BVH_WIDTH], uint32_t lanes_of[MLRT_BVH_WIDTH])
+                                         struct boxes_met *of_boxes)
 {
     MLRT_ALIGNED(64) float ways[6][BOXES_TOGETHER];
     vf nearest[VECTORS_TOGETHER];
@@ -331,26 +337,62 @@ MLRT_INLINE uint32_t test_boxes_by_lanes(const struct mlrt_packet *packet, const
     MLRT_UNROLL
     for (int i = 0; i < VECTORS_TOGETHER; ++i) {
         const int v = begin + i * VW;
-        v_store(near + v, nearest[i]);
-        i_store(lanes_of + v, of[i]);
+        v_store(of_boxes->near + v, nearest[i]);
+        i_store(of_boxes->lanes_of + v, of[i]);
         met |= (~m_bits(i_eq(of[i], i_set1(0))) & ALL_LANES) << v;
     }
     return met;
 }
 
-/* Puts the boxes that lanes may meet on the stack: tests each lane against all boxes at once. */
-MLRT_INLINE void push_by_lanes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t lanes,
-                               int any, struct lanes_search *search)
+/* Tests each lane against all boxes at once. Returns the boxes that a lane may meet. */
+MLRT_INLINE uint32_t meet_by_lanes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t lanes,
+                                   int any, const struct lanes_search *search, struct boxes_met *of)
 {
-    MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
-    MLRT_ALIGNED(64) uint32_t lanes_of[MLRT_BVH_WIDTH];
     uint32_t met = 0;
     for (int begin = 0; begin < MLRT_BVH_WIDTH; begin += BOXES_TOGETHER) {
-        met |= test_boxes_by_lanes(packet, node, begin, lanes, any, search, near, lanes_of);
+        met |= test_boxes_by_lanes(packet, node, begin, lanes, any, search, of);
     }
-    for (; met; met &= met - 1) {
-        const uint32_t place = mlrt_lowest_bit(met);
-        search->stack[search->count++] = (struct pending_lanes){near[place], node->child[place], lanes_of[place]};
+    return met;
+}
+
+MLRT_INLINE struct pending_lanes child_met(const struct mlrt_bvh_node *node, const struct boxes_met *of, uint32_t place)
+{
+    return (struct pending_lanes){of->near[place], node->child[place], of->lanes_of[place]};
+}
+
+/* Puts two children on the stack, the nearer on top. With `any`, leaves count as nearest. */
+MLRT_INLINE void push_two(const struct mlrt_bvh_node *node, const struct boxes_met *of, uint32_t met, int any,
+                          struct pending_lanes *top)
+{
+    const uint32_t a = mlrt_lowest_bit(met), b = mlrt_lowest_bit(met & (met - 1));
+    const float near_a = any && mlrt_bvh_quad_count(node->child[a]) ? -INFINITY : of->near[a];
+    const float near_b = any && mlrt_bvh_quad_count(node->child[b]) ? -INFINITY : of->near[b];
+    const int is_a_nearer = near_a < near_b;
+    top[is_a_nearer] = child_met(node, of, a);
+    top[!is_a_nearer] = child_met(node, of, b);
+}
+
+/*
+ * Puts children on the stack in order. The place of each is the number of those that are farther, or the next one that
+ * is free: no branch depends on distances, which are no NaNs. With `any`, leaves count as nearest.
+ */
+MLRT_INLINE void push_several(const struct mlrt_bvh_node *node, const struct boxes_met *of, uint32_t met, int any,
+                              struct pending_lanes *top)
+{
+    uint32_t leaves = 0, taken = 0;
+    for (uint32_t left = any ? met : 0; left; left &= left - 1) {
+        leaves |= mlrt_bvh_quad_count(node->child[mlrt_lowest_bit(left)]) ? left & (0u - left) : 0;
+    }
+    for (uint32_t left = met; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        uint32_t farther = 0;
+        for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
+            farther |= m_bits(v_gt(v_load(of->near + v), v_set1(of->near[place]))) << v;
+        }
+        const uint32_t below = leaves >> place & 1 ? met & ~leaves : met & ~leaves & farther;
+        const uint32_t at = mlrt_lowest_bit(~taken & (~0u << mlrt_count_bits(below)));
+        taken |= 1u << at;
+        top[at] = child_met(node, of, place);
     }
 }
 
@@ -361,24 +403,25 @@ MLRT_INLINE void push_by_lanes(const struct mlrt_packet *packet, const struct ml
 MLRT_INLINE void push_lanes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t lanes, int any,
                             struct lanes_search *search)
 {
-    const uint32_t base = search->count;
     const uint32_t lane_count = mlrt_count_bits(lanes);
+    struct pending_lanes *top = &search->stack[search->count];
+    struct boxes_met of;
     uint32_t boxes = 0xFFFF;
     if (lane_count > FEW_FOR_HULL) {
         boxes = boxes_of_lanes(search, node,
                                any ? search->hull.farthest : finite_limit(highest_of(packet->nearest.hi, lanes)));
     }
-    if (lane_count <= mlrt_count_bits(boxes)) {
-        push_by_lanes(packet, node, lanes, any, search);
-    } else {
-        push_by_boxes(packet, node, boxes, lanes, any, search);
-    }
-    for (uint32_t i = base; i < search->count; ++i) {
-        struct pending_lanes entry = search->stack[i];
-        if (any && mlrt_bvh_quad_count(entry.child)) entry.near = -INFINITY;
-        uint32_t at = i;
-        for (; at > base && search->stack[at - 1].near < entry.near; --at) search->stack[at] = search->stack[at - 1];
-        search->stack[at] = entry;
+    const uint32_t met = lane_count <= mlrt_count_bits(boxes)
+                             ? meet_by_lanes(packet, node, lanes, any, search, &of)
+                             : meet_by_boxes(packet, node, boxes, lanes, any, search, &of);
+    const uint32_t met_count = mlrt_count_bits(met);
+    search->count += met_count;
+    if (met_count > 2) {
+        push_several(node, &of, met, any, top);
+    } else if (met_count == 2) {
+        push_two(node, &of, met, any, top);
+    } else if (met) {
+        *top = child_met(node, &of, mlrt_lowest_bit(met));
     }
 }
 
