@@ -17,6 +17,8 @@
 #include "simd/doubles.h"
 #include "simd/simd.h"
 
+#define PACKET_DOUBLES (MLRT_PACKET_RAYS / DW)
+
 /* For a vector of rays: the terms of shadow_ray.h that depend on triangle, origin and light, not on the direction. */
 struct shadow_terms {
     vd m[3];
@@ -92,55 +94,81 @@ MLRT_INLINE uint32_t make_shadow_vector(const struct shadow_terms *terms, const 
            d_gt(size, d_set1(MLRT_SHADOW_LEAST)) & d_gt(d_set1(MLRT_SHADOW_GREATEST), size);
 }
 
-/*
- * Gathers corners and origins of the lanes `hit`: if they hit few triangles, triangle by triangle. Returns 1 if all
- * lanes have one triangle and one origin.
- */
-static int get_seen_points(const struct mlrt_tree *tree, const struct mlrt_packet *seen, uint32_t hit,
-                           struct seen_points *points)
+/* Gathers corners and origins of the lanes `hit`. */
+static void get_seen_points(const struct mlrt_tree *tree, const struct mlrt_packet *seen, uint32_t hit,
+                            struct seen_points *points)
 {
-    uint32_t same = 0;
-    const int are_few = hits_few_triangles(seen, hit);
-    if (!are_few) mlrt_gather_corners(tree, seen, hit, points->corners);
-    for (uint32_t left = are_few ? hit : 0; left; left &= ~same) {
-        const uint32_t number = seen->nearest.triangle[mlrt_lowest_bit(left)];
-        const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
-        same = lanes_of_triangle(seen, number);
-        const uint32_t among = left == hit ? 0xFFFF : same; /* the first triangle is stored in all lanes */
-        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            for (int k = 0; k < 9; ++k) {
-                float *corner = points->corners[k] + v;
-                v_store(corner, v_select(m_from_bits(among >> v), v_set1(triangle.v[k / 3][k % 3]), v_load(corner)));
-            }
-        }
-    }
+    mlrt_gather_corners(tree, seen, hit, points->corners);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         for (int k = 0; k < 3; ++k) {
             v_store(points->origin[k] + v, seen->has.apex ? v_set1(seen->apex[k]) : v_load(seen->origin[k] + v));
         }
     }
-    return !(hit & ~same) && seen->has.apex;
+}
+
+/* Sets the terms of `lanes`, of DW, which hit one triangle. */
+MLRT_INLINE void take_surface(const struct mlrt_surface *surface, uint32_t lanes, struct shadow_terms *terms)
+{
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) terms->m[k] = d_select(lanes, d_set1(surface->m[k]), terms->m[k]);
+    terms->n = d_select(lanes, d_set1(surface->n), terms->n);
+    terms->plane_size = d_select(lanes, d_set1(MLRT_SHADOW_PLANE * surface->reach), terms->plane_size);
+    terms->height = d_select(lanes, d_set1(surface->height), terms->height);
+    if (!mlrt_is_certain_surface(surface)) terms->certain &= ~lanes;
 }
 
 /*
- * Makes the shadow rays of the lanes `hit` of packet `seen` to the light of a job. Returns the lanes where the light
+ * Sets the terms of a packet from one origin that hits few triangles: triangle by triangle, from a table. Returns how
+ * many vectors are set: one, if all lanes hit one triangle.
+ */
+static MLRT_NOINLINE uint32_t take_surfaces(const struct mlrt_job *job, const struct mlrt_packet *seen, uint32_t hit,
+                                            struct mlrt_kept_surface *kept, struct shadow_terms terms[PACKET_DOUBLES])
+{
+    const int is_point = job->source.kind == MLRT_SOURCE_POINT_LIGHT;
+    uint32_t number = seen->nearest.triangle[mlrt_lowest_bit(hit)], same = lanes_of_triangle(seen, number);
+    const uint32_t count = hit & ~same ? PACKET_DOUBLES : 1;
+    for (uint32_t i = 0; i < count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            terms[i].from[k] = d_set1((double)seen->apex[k] - (is_point ? (double)job->source.light[k] : 0));
+            terms[i].m[k] = d_set1(0);
+        }
+        terms[i].n = terms[i].plane_size = terms[i].height = d_set1(0);
+        terms[i].certain = (1u << DW) - 1;
+    }
+    for (;;) {
+        const struct mlrt_surface *surface = mlrt_look_up_surface(job, number, seen->apex, kept);
+        if (count == 1) take_surface(surface, (1u << DW) - 1, terms);
+        for (uint32_t i = 0; count > 1 && i < count; ++i) take_surface(surface, same >> i * DW, &terms[i]);
+        hit &= ~same;
+        if (!hit) return count;
+        number = seen->nearest.triangle[mlrt_lowest_bit(hit)];
+        same = lanes_of_triangle(seen, number);
+    }
+}
+
+/*
+ * Makes the shadow rays of the lanes `hit` of packet `seen` to the light of a job. `kept` is a table of surfaces. Returns the lanes where the light
  * is on the other side of the surface: they get no ray.
  */
 static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, const struct mlrt_packet *seen,
-                                                 uint32_t hit, struct mlrt_packet *packet)
+                                                 uint32_t hit, struct mlrt_kept_surface *kept,
+                                                 struct mlrt_packet *packet)
 {
     const struct mlrt_source *light = &job->source;
     const int is_point = light->kind == MLRT_SOURCE_POINT_LIGHT;
     float(*ends)[MLRT_PACKET_RAYS] = is_point ? packet->direction : packet->origin;
     float(*others)[MLRT_PACKET_RAYS] = is_point ? packet->origin : packet->direction;
     struct seen_points points;
-    struct shadow_terms terms;
-    const int shared = get_seen_points(job->tree, seen, hit, &points);
+    struct shadow_terms terms[PACKET_DOUBLES];
+    const uint32_t kept_count =
+        seen->has.apex && hits_few_triangles(seen, hit) ? take_surfaces(job, seen, hit, kept, terms) : 0;
     uint32_t certain = 0, facing = 0;
+    if (!kept_count) get_seen_points(job->tree, seen, hit, &points);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         uint32_t vector_facing;
-        if (lane == 0 || !shared) set_up_shadow_terms(&points, lane, light, &terms);
-        certain |= make_shadow_vector(&terms, seen, lane, &vector_facing, ends) << lane;
+        const uint32_t i = kept_count == 1 ? 0 : lane / DW;
+        if (!kept_count) set_up_shadow_terms(&points, lane, light, &terms[i]);
+        certain |= make_shadow_vector(&terms[i], seen, lane, &vector_facing, ends) << lane;
         facing |= vector_facing << lane;
     }
     facing &= certain;

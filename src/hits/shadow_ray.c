@@ -48,6 +48,16 @@ void mlrt_find_surface(const struct mlrt_source *light, const struct mlrt_triang
     surface->height_size = size_of(to_light);
 }
 
+void mlrt_keep_surface(const struct mlrt_job *light, uint32_t number, const float origin[3],
+                       struct mlrt_kept_surface *kept)
+{
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&light->tree->by_number, number);
+    mlrt_find_surface(&light->source, &triangle, origin, &kept->surface);
+    kept->light = light;
+    kept->number = number;
+    for (int k = 0; k < 3; ++k) kept->origin[k] = origin[k];
+}
+
 /*
  * Computes the ray by the steps of shadow_ray.h. Returns 0 if its conditions do not hold; the results are then
  * invalid.
@@ -69,9 +79,8 @@ static int find_end(const struct mlrt_source *light, const struct mlrt_triangle 
     const double step = steepness > 0 ? -MLRT_SHADOW_STEP * size : MLRT_SHADOW_STEP * size;
     for (int k = 0; k < 3; ++k) end[k] = (float)(x[k] + step * surface.m[k]);
     *faces = (surface.height > 0) == (steepness > 0);
-    return surface.is_round && fabs(steepness) > MLRT_SHADOW_GRAZING * size_of(d) &&
-           fabs(surface.height) > MLRT_SHADOW_SIDE * surface.height_size && size > MLRT_SHADOW_LEAST &&
-           size < MLRT_SHADOW_GREATEST;
+    return mlrt_is_certain_surface(&surface) && fabs(steepness) > MLRT_SHADOW_GRAZING * size_of(d) &&
+           size > MLRT_SHADOW_LEAST && size < MLRT_SHADOW_GREATEST;
 }
 
 /*

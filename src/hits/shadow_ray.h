@@ -37,6 +37,8 @@
 #ifndef MLRT_HITS_SHADOW_RAY_H
 #define MLRT_HITS_SHADOW_RAY_H
 
+#include <math.h>
+
 #include "job/job.h"
 
 /* The constants of the steps and conditions above. */
@@ -60,6 +62,40 @@ struct mlrt_surface {
 
 void mlrt_find_surface(const struct mlrt_source *light, const struct mlrt_triangle *triangle, const float origin[3],
                        struct mlrt_surface *surface);
+
+/* The terms of a triangle, which a worker keeps since neighbouring packets of a picture hit it too. */
+struct mlrt_kept_surface {
+    const struct mlrt_job *light; /* NULL = empty entry */
+    uint32_t number;              /* of the triangle */
+    float origin[3];
+    struct mlrt_surface surface;
+};
+
+/* Triangle `number` has the entry number % MLRT_KEPT_SURFACES. */
+#define MLRT_KEPT_SURFACES 64
+
+/* Finds the terms of a triangle for the light of a job, and keeps them. */
+void mlrt_keep_surface(const struct mlrt_job *light, uint32_t number, const float origin[3],
+                       struct mlrt_kept_surface *kept);
+
+/* Returns the terms of a triangle for the light of a job, from the table if they are there. */
+static inline const struct mlrt_surface *mlrt_look_up_surface(const struct mlrt_job *light, uint32_t number,
+                                                              const float origin[3],
+                                                              struct mlrt_kept_surface table[MLRT_KEPT_SURFACES])
+{
+    struct mlrt_kept_surface *kept = &table[number % MLRT_KEPT_SURFACES];
+    if (kept->number != number || kept->light != light || kept->origin[0] != origin[0] ||
+        kept->origin[1] != origin[1] || kept->origin[2] != origin[2]) {
+        mlrt_keep_surface(light, number, origin, kept);
+    }
+    return &kept->surface;
+}
+
+/* Do the conditions on n and H hold? */
+static inline int mlrt_is_certain_surface(const struct mlrt_surface *surface)
+{
+    return surface->is_round && fabs(surface->height) > MLRT_SHADOW_SIDE * surface->height_size;
+}
 
 /*
  * The ray from a hit to the light of a source (MLRT_SOURCE_POINT_LIGHT or _DIRECTIONAL_LIGHT), and in *faces whether

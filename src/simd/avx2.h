@@ -166,6 +166,11 @@ MLRT_INLINE vd d_div(vd a, vd b) { return _mm256_div_pd(a, b); }
 MLRT_INLINE vd d_abs(vd a) { return _mm256_andnot_pd(_mm256_set1_pd(-0.0), a); }
 MLRT_INLINE vd d_max(vd a, vd b) { return _mm256_max_pd(a, b); }
 MLRT_INLINE vd d_flip(vd a, vd b) { return _mm256_xor_pd(a, _mm256_and_pd(b, _mm256_set1_pd(-0.0))); }
+MLRT_INLINE vd d_select(unsigned lanes, vd a, vd b)
+{
+    const __m256i bits = _mm256_set_epi64x(8, 4, 2, 1), own = _mm256_and_si256(_mm256_set1_epi64x((int)lanes), bits);
+    return _mm256_blendv_pd(b, a, _mm256_castsi256_pd(_mm256_cmpeq_epi64(own, bits)));
+}
 MLRT_INLINE unsigned d_gt(vd a, vd b) { return (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ)); }
 MLRT_INLINE unsigned d_same_float(vd a, vd b)
 {

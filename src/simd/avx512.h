@@ -173,6 +173,7 @@ MLRT_INLINE vd d_div(vd a, vd b) { return _mm512_div_pd(a, b); }
 MLRT_INLINE vd d_abs(vd a) { return _mm512_abs_pd(a); }
 MLRT_INLINE vd d_max(vd a, vd b) { return _mm512_max_pd(a, b); }
 MLRT_INLINE vd d_flip(vd a, vd b) { return _mm512_xor_pd(a, _mm512_and_pd(b, _mm512_set1_pd(-0.0))); }
+MLRT_INLINE vd d_select(unsigned lanes, vd a, vd b) { return _mm512_mask_blend_pd((__mmask8)lanes, b, a); }
 MLRT_INLINE unsigned d_gt(vd a, vd b) { return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ); }
 MLRT_INLINE unsigned d_same_float(vd a, vd b)
 {

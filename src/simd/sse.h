@@ -144,6 +144,12 @@ MLRT_INLINE vd d_div(vd a, vd b) { return _mm_div_pd(a, b); }
 MLRT_INLINE vd d_abs(vd a) { return _mm_andnot_pd(_mm_set1_pd(-0.0), a); }
 MLRT_INLINE vd d_max(vd a, vd b) { return _mm_max_pd(a, b); }
 MLRT_INLINE vd d_flip(vd a, vd b) { return _mm_xor_pd(a, _mm_and_pd(b, _mm_set1_pd(-0.0))); }
+MLRT_INLINE vd d_select(unsigned lanes, vd a, vd b)
+{
+    const int first = -(int)(lanes & 1), second = -(int)(lanes >> 1 & 1);
+    const vd own = _mm_castsi128_pd(_mm_set_epi32(second, second, first, first));
+    return _mm_or_pd(_mm_and_pd(own, a), _mm_andnot_pd(own, b));
+}
 MLRT_INLINE unsigned d_gt(vd a, vd b) { return (unsigned)_mm_movemask_pd(_mm_cmpgt_pd(a, b)); }
 MLRT_INLINE unsigned d_same_float(vd a, vd b)
 {

@@ -23,6 +23,7 @@
 
 #include "base/tuning.h"
 #include "bvh/node.h"
+#include "hits/shadow_ray.h"
 #include "rays/packet.h"
 
 #define MLRT_BUNDLE_PACKETS 16
@@ -267,6 +268,7 @@ struct mlrt_bundles {
     uint32_t open_tiles;      /* how many of the next tiles begin with open cells (levels.h) */
     uint32_t open_squares;    /* how many of the next squares are traced tile by tile */
     struct mlrt_bundle_cache caches[2];
+    struct mlrt_kept_surface surfaces[MLRT_KEPT_SURFACES]; /* that a picture's rays hit, if it has lights */
 };
 
 #endif

@@ -48,7 +48,7 @@ static void make_rays_to_light(const struct mlrt_job *job, struct mlrt_ray_tile 
     const uint32_t hit = find_seen(tile->picture, tile->seen, place);
     tile->dark[place] = 0;
     if (hit) {
-        tile->dark[place] = make_shadow_packet(job, &tile->seen->packets[place], hit, packet);
+        tile->dark[place] = make_shadow_packet(job, &tile->seen->packets[place], hit, tile->surfaces, packet);
         return;
     }
     packet->active = packet->single = 0;

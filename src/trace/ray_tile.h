@@ -5,6 +5,7 @@
 #ifndef MLRT_TRACE_RAY_TILE_H
 #define MLRT_TRACE_RAY_TILE_H
 
+#include "hits/shadow_ray.h"
 #include "job/job.h"
 #include "rays/rectangle.h"
 #include "trace/bundle.h"
@@ -19,6 +20,7 @@ struct mlrt_ray_tile {
     uint32_t made;                   /* packets that have their rays */
     const struct mlrt_job *picture;  /* the call whose hits the shadow rays come from */
     struct mlrt_ray_tile *seen;      /* the tile of the picture with these hits; NULL: this is such a tile */
+    struct mlrt_kept_surface *surfaces; /* with `seen`: a table (shadow_ray.h) */
     const struct mlrt_bundle *cells; /* the bundle with the covers of this tile's closed packets */
     uint32_t dark[MLRT_CELL_COUNT];  /* lanes without a shadow ray, because the light is behind the surface */
     struct mlrt_packet packets[MLRT_CELL_COUNT];

@@ -105,6 +105,7 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
     uint32_t dark = 0, cells = 0, waiting = 0;
     mlrt_begin_tile(&seen->area, 0, &tile);
     tile.seen = seen;
+    tile.surfaces = worker->bundles->surfaces;
     tile.picture = job;
     bundle.tile = &tile;
     bundle.state.closed = 0;
