@@ -118,7 +118,7 @@ MLRT_INLINE void take_surface(const struct mlrt_surface *surface, uint32_t lanes
 }
 
 /*
- * Sets the terms of a packet from one origin that hits few triangles: triangle by triangle, from a table. Returns how
+ * Sets the terms of a packet from the eye that hits few triangles: triangle by triangle, from a table. Returns how
  * many vectors are set: one, if all lanes hit one triangle.
  */
 static MLRT_NOINLINE uint32_t take_surfaces(const struct mlrt_job *job, const struct mlrt_packet *seen, uint32_t hit,

@@ -48,14 +48,13 @@ void mlrt_find_surface(const struct mlrt_source *light, const struct mlrt_triang
     surface->height_size = size_of(to_light);
 }
 
-void mlrt_keep_surface(const struct mlrt_job *light, uint32_t number, const float origin[3],
+void mlrt_keep_surface(const struct mlrt_job *light, uint32_t number, const float eye[3],
                        struct mlrt_kept_surface *kept)
 {
     const struct mlrt_triangle triangle = mlrt_triangle_at(&light->tree->by_number, number);
-    mlrt_find_surface(&light->source, &triangle, origin, &kept->surface);
+    mlrt_find_surface(&light->source, &triangle, eye, &kept->surface);
     kept->light = light;
     kept->number = number;
-    for (int k = 0; k < 3; ++k) kept->origin[k] = origin[k];
 }
 
 /*

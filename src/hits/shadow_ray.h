@@ -63,11 +63,13 @@ struct mlrt_surface {
 void mlrt_find_surface(const struct mlrt_source *light, const struct mlrt_triangle *triangle, const float origin[3],
                        struct mlrt_surface *surface);
 
-/* The terms of a triangle, which a worker keeps since neighbouring packets of a picture hit it too. */
+/*
+ * The terms of a triangle, for the rays of a picture with one eye. A worker keeps them during a call, since neighbouring
+ * packets hit the same triangles.
+ */
 struct mlrt_kept_surface {
     const struct mlrt_job *light; /* NULL = empty entry */
     uint32_t number;              /* of the triangle */
-    float origin[3];
     struct mlrt_surface surface;
 };
 
@@ -75,19 +77,16 @@ struct mlrt_kept_surface {
 #define MLRT_KEPT_SURFACES 64
 
 /* Finds the terms of a triangle for the light of a job, and keeps them. */
-void mlrt_keep_surface(const struct mlrt_job *light, uint32_t number, const float origin[3],
+void mlrt_keep_surface(const struct mlrt_job *light, uint32_t number, const float eye[3],
                        struct mlrt_kept_surface *kept);
 
 /* Returns the terms of a triangle for the light of a job, from the table if they are there. */
 static inline const struct mlrt_surface *mlrt_look_up_surface(const struct mlrt_job *light, uint32_t number,
-                                                              const float origin[3],
+                                                              const float eye[3],
                                                               struct mlrt_kept_surface table[MLRT_KEPT_SURFACES])
 {
     struct mlrt_kept_surface *kept = &table[number % MLRT_KEPT_SURFACES];
-    if (kept->number != number || kept->light != light || kept->origin[0] != origin[0] ||
-        kept->origin[1] != origin[1] || kept->origin[2] != origin[2]) {
-        mlrt_keep_surface(light, number, origin, kept);
-    }
+    if (kept->number != number || kept->light != light) mlrt_keep_surface(light, number, eye, kept);
     return &kept->surface;
 }
 

@@ -15,14 +15,14 @@
 /* Sets of packets have a bit per place. A tile of shadow rays refers to that of the picture's rays. */
 struct mlrt_ray_tile {
     struct mlrt_rectangle area;
-    uint32_t column_bits;            /* there are 1 << column_bits columns of packets: 4, or 1 for a list */
-    uint32_t blocks;                 /* places with a block, whole or cut off by the edge of the picture */
-    uint32_t made;                   /* packets that have their rays */
-    const struct mlrt_job *picture;  /* the call whose hits the shadow rays come from */
-    struct mlrt_ray_tile *seen;      /* the tile of the picture with these hits; NULL: this is such a tile */
+    uint32_t column_bits;               /* there are 1 << column_bits columns of packets: 4, or 1 for a list */
+    uint32_t blocks;                    /* places with a block, whole or cut off by the edge of the picture */
+    uint32_t made;                      /* packets that have their rays */
+    const struct mlrt_job *picture;     /* the call whose hits the shadow rays come from */
+    struct mlrt_ray_tile *seen;         /* the tile of the picture with these hits; NULL: this is such a tile */
     struct mlrt_kept_surface *surfaces; /* with `seen`: a table (shadow_ray.h) */
-    const struct mlrt_bundle *cells; /* the bundle with the covers of this tile's closed packets */
-    uint32_t dark[MLRT_CELL_COUNT];  /* lanes without a shadow ray, because the light is behind the surface */
+    const struct mlrt_bundle *cells;    /* the bundle with the covers of this tile's closed packets */
+    uint32_t dark[MLRT_CELL_COUNT];     /* lanes without a shadow ray, because the light is behind the surface */
     struct mlrt_packet packets[MLRT_CELL_COUNT];
     struct mlrt_bundle_rays rays[MLRT_CELL_COUNT];
     struct mlrt_reciprocals reciprocals[MLRT_CELL_COUNT];
