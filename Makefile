@@ -93,7 +93,7 @@ EXACT    := $(if $(GUESS),-DMLRT_GUESS=1) $(if $(SCALAR),-DMLRT_SCALAR=1) -ffp-c
             $(if $(filter s390x%,$(TARGET)),-fexcess-precision=fast)
 SANITIZE := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-frame-pointer)
 # Functions, jumps and loops that are not aligned: 18 kB less, 6 of them by functions, and no slower: of 44 ratios of kinds
-# of rays the middle one is 1.01 for functions, of 20 1.01 for the others. (MLRT_HOT aligns three.) No expressions computed ahead on paths that do
+# of rays the middle one is 1.01 for functions, of 20 1.01 for the others. No expressions computed ahead on paths that do
 # not need them (-ftree-pre): 5 kB less, and of 44 ratios the middle one is 1.00. No common subexpressions of whole functions
 # (-fgcse) and no invariants moved out of loops before registers are known (-ftree-loop-im): 5 kB less, and of 66 ratios
 # the middle one is 1.00. clang does not know them all.
