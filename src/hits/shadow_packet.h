@@ -147,8 +147,8 @@ static MLRT_NOINLINE uint32_t take_surfaces(const struct mlrt_job *job, const st
 }
 
 /*
- * Makes the shadow rays of the lanes `hit` of packet `seen` to the light of a job. `kept` is a table of surfaces. Returns the lanes where the light
- * is on the other side of the surface: they get no ray.
+ * Makes the shadow rays of the lanes `hit` of packet `seen` to the light of a job. `kept` is a table of surfaces.
+ * Returns the lanes where the light is on the other side of the surface: they get no ray.
  */
 static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, const struct mlrt_packet *seen,
                                                  uint32_t hit, struct mlrt_kept_surface *kept,

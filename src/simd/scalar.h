@@ -142,8 +142,9 @@ MLRT_INLINE vd d_abs(vd a) { return fabs(a); }
 MLRT_INLINE vd d_max(vd a, vd b) { return a > b ? a : b; }
 /* a with its sign flipped where b is negative */
 MLRT_INLINE vd d_flip(vd a, vd b) { return copysign(a, copysign(1, a) * copysign(1, b)); }
-/* bits of the lanes where a > b */
+/* a in the lanes whose bits are set, b in the others */
 MLRT_INLINE vd d_select(unsigned lanes, vd a, vd b) { return lanes & 1 ? a : b; }
+/* bits of the lanes where a > b */
 MLRT_INLINE unsigned d_gt(vd a, vd b) { return a > b; }
 /* bits of the lanes where both round to one float */
 MLRT_INLINE unsigned d_same_float(vd a, vd b) { return (float)a == (float)b; }
