@@ -141,12 +141,6 @@ struct task {
     struct mlrt_bvh_size size;   /* 0 until it is measured */
 };
 
-/* What references are sorted into to find a split: those of a whole set, or one worker's share of them. */
-union filling {
-    struct mlrt_bvh_bins bins;
-    struct mlrt_spatial_bins slabs;
-};
-
 /* The references of a chunk of triangles, and how many triangles are left out. */
 struct chunk {
     struct mlrt_bvh_set set;
@@ -176,16 +170,15 @@ struct work {
     struct portion **level; /* those of one depth that are too large */
     struct task *tasks;
     uint32_t task_count;
-    union filling *shares; /* of each worker; NULL = there is only one */
+    struct mlrt_bvh_bins *shares; /* of each worker: bins of its part of a set; NULL = there is only one */
     struct chunk *chunks;
     struct mlrt_bvh_part *parts; /* of the result, measured */
 };
 
-/* The set whose bins, or slabs, all workers fill. */
+/* The set whose bins all workers fill. */
 struct shared {
     const struct portion *portion; /* NULL = none */
     uint64_t least_size;           /* of the sets of a level that are shared */
-    int has_slabs;
 };
 
 /* The boxes of triangles, or of their parts, from which the hierarchy is built. */
@@ -387,12 +380,6 @@ static void share_out(const struct build *build, const struct portion *portion, 
 
 /* ---- looking for a split --------------------------------------------------------------------------------------- */
 
-struct choice {
-    int spatial; /* 1 = `plane` is used, 0 = `split` is */
-    struct mlrt_bvh_split split;
-    struct mlrt_spatial_split plane;
-};
-
 static uint32_t chunks_of(uint32_t count)
 {
     return count / CHUNK_SIZE + (count % CHUNK_SIZE != 0);
@@ -404,76 +391,54 @@ static int is_chunk_due(const struct build *build, uint32_t count, uint32_t chun
     return chunk < chunks_of(count) && (chunk == 0 || !mlrt_is_cancelled(build->progress));
 }
 
-static void clear(uint32_t count, int has_slabs, union filling *filling)
-{
-    if (has_slabs)
-        mlrt_clear_spatial_bins(&filling->slabs);
-    else
-        mlrt_clear_bins(count, &filling->bins);
-}
-
-/* Adds a chunk of a portion's references. */
-static void fill_chunk(const struct build *build, const struct portion *portion, uint32_t chunk, int has_slabs,
-                       union filling *filling)
+/* Adds a chunk of a portion's references to bins. */
+static void fill_chunk(const struct build *build, const struct portion *portion, uint32_t chunk,
+                       struct mlrt_bvh_bins *bins)
 {
     const struct mlrt_bvh_set *set = &portion->set;
     const uint32_t begin = chunk * CHUNK_SIZE, left = set->count - begin, count = left < CHUNK_SIZE ? left : CHUNK_SIZE;
-    if (has_slabs)
-        mlrt_fill_spatial_bins(build->tree->triangles, build->tree->bvh.unit, build->references.boxes,
-                               set->first + begin, count, &set->box, &filling->slabs);
+    if (bins->kind == MLRT_SPLIT_BY_PLANE)
+        mlrt_fill_slabs(build->tree->triangles, build->tree->bvh.unit, build->references.boxes, set->first + begin,
+                        count, &set->box, bins);
     else
-        mlrt_fill_bins(build->references.boxes, set->first + begin, count, &set->centres, &filling->bins);
+        mlrt_fill_bins(build->references.boxes, set->first + begin, count, &set->centres, bins);
 }
 
 static double fill_share(struct build *build, uint32_t chunk, uint32_t worker)
 {
-    fill_chunk(build, build->shared.portion, chunk, build->shared.has_slabs, &build->work.shares[worker]);
+    fill_chunk(build, build->shared.portion, chunk, &build->work.shares[worker]);
     return 0;
 }
 
-/* Fills bins, or slabs, with the references of a portion. */
-static void fill(struct build *build, const struct portion *portion, int has_slabs, union filling *all)
+/* Fills bins with the references of a portion. */
+static void fill(struct build *build, const struct portion *portion, enum mlrt_split_kind kind,
+                 struct mlrt_bvh_bins *all)
 {
     const uint32_t count = portion->set.count;
-    clear(count, has_slabs, all);
+    mlrt_clear_bins(kind, count, all);
     if (build->shared.portion != portion) {
-        for (uint32_t i = 0; is_chunk_due(build, count, i); i++) fill_chunk(build, portion, i, has_slabs, all);
+        for (uint32_t i = 0; is_chunk_due(build, count, i); i++) fill_chunk(build, portion, i, all);
         return;
     }
     const uint32_t worker_count = mlrt_worker_count(build->pool);
-    for (uint32_t i = 0; i < worker_count; i++) clear(count, has_slabs, &build->work.shares[i]);
-    build->shared.has_slabs = has_slabs;
+    for (uint32_t i = 0; i < worker_count; i++) build->work.shares[i] = *all;
     run_step(build, chunks_of(count), fill_share);
-    for (uint32_t i = 0; i < worker_count; i++) {
-        if (has_slabs)
-            mlrt_merge_spatial_bins(&build->work.shares[i].slabs, &all->slabs);
-        else
-            mlrt_merge_bins(&build->work.shares[i].bins, &all->bins);
-    }
+    for (uint32_t i = 0; i < worker_count; i++) mlrt_merge_bins(&build->work.shares[i], all);
 }
 
-/* Sets *split to the cheapest split by centres within the portion's limits. */
-static MLRT_NOINLINE void find_split(struct build *build, const struct portion *portion, struct mlrt_bvh_split *split)
+/* Sets *split to the cheapest of its kind within the portion's limits. Not inlined, for the stack of a recursion. */
+static MLRT_NOINLINE void find_split(struct build *build, const struct portion *portion, enum mlrt_split_kind kind,
+                                     struct mlrt_bvh_split *split)
 {
-    if (portion->set.count <= MLRT_SWEEP_LIMIT) {
+    struct mlrt_bvh_bins bins;
+    if (kind != MLRT_SPLIT_BY_RANK) fill(build, portion, kind, &bins);
+    if (kind == MLRT_SPLIT_BY_RANK)
         mlrt_sweep_set(&build->costs, build->references.boxes, &portion->set, split);
-    } else {
-        union filling all;
-        fill(build, portion, 0, &all);
-        mlrt_choose_split(&build->costs, &all.bins, &portion->set.box, split);
-    }
-    uint32_t lower = split->lower_count;
-    if (split->cost < HUGE_VAL && !may_split(build, portion, lower, portion->set.count - lower)) split->cost = HUGE_VAL;
-}
-
-/* Sets *plane to the cheapest spatial split within the portion's limits. */
-static MLRT_NOINLINE void find_plane(struct build *build, const struct portion *portion,
-                                     struct mlrt_spatial_split *plane)
-{
-    union filling all;
-    fill(build, portion, 1, &all);
-    mlrt_choose_spatial_split(&build->costs, &all.slabs, portion->set.count, portion->spare, plane);
-    if (plane->cost < HUGE_VAL && !may_split(build, portion, plane->count[0], plane->count[1])) plane->cost = HUGE_VAL;
+    else if (kind == MLRT_SPLIT_BY_BIN)
+        mlrt_choose_split(&build->costs, &bins, &portion->set, split);
+    else
+        mlrt_choose_plane(&build->costs, &bins, portion->set.count, portion->spare, split);
+    if (split->cost < HUGE_VAL && !may_split(build, portion, split->count[0], split->count[1])) split->cost = HUGE_VAL;
 }
 
 /* 1 if the sides of the best split by centres overlap so much that a spatial split is tried, as Stich et al. do. */
@@ -497,17 +462,20 @@ static int may_be_cut(const struct mlrt_quad_box *box)
     return 1;
 }
 
-static void choose(struct build *build, struct portion *portion, struct choice *choice)
+static void choose(struct build *build, struct portion *portion, struct mlrt_bvh_split *split)
 {
-    find_split(build, portion, &choice->split);
-    choice->spatial = 0;
+    struct mlrt_bvh_split plane;
+    const int is_sorted = portion->set.count <= MLRT_SWEEP_LIMIT;
+    find_split(build, portion, is_sorted ? MLRT_SPLIT_BY_RANK : MLRT_SPLIT_BY_BIN, split);
     if (portion->spare == 0 || portion->set.count <= build->preset->spatial_size) return;
     if (!may_be_cut(&portion->set.box)) return;
-    if (choice->split.cost < HUGE_VAL && !choice->split.sorted && !overlaps(build, &choice->split)) return;
+    if (split->cost < HUGE_VAL && !is_sorted && !overlaps(build, split)) return;
     if (portion->failed_count > build->preset->failure_limit) return;
-    find_plane(build, portion, &choice->plane);
-    choice->spatial = choice->plane.cost < PLANE_GAIN * choice->split.cost;
-    portion->failed_count = choice->spatial ? 0 : portion->failed_count + 1;
+    find_split(build, portion, MLRT_SPLIT_BY_PLANE, &plane);
+    portion->failed_count++;
+    if (!(plane.cost < PLANE_GAIN * split->cost)) return;
+    *split = plane;
+    portion->failed_count = 0;
 }
 
 /* ---- cutting ------------------------------------------------------------------------------------------------- */
@@ -548,15 +516,15 @@ static void halve(struct build *build, struct mlrt_bvh_set sets[2])
 }
 
 /* Deals the references of a portion out to its sides. Returns 0 if the call is cancelled. */
-static int apply(struct build *build, const struct portion *portion, const struct choice *choice,
+static int apply(struct build *build, const struct portion *portion, const struct mlrt_bvh_split *split,
                  struct portion sides[2])
 {
     struct mlrt_bvh_set sets[2];
-    if (choice->spatial)
+    if (split->kind == MLRT_SPLIT_BY_PLANE)
         mlrt_apply_spatial_split(build->tree->triangles, build->tree->bvh.unit, build->references.boxes, &portion->set,
-                                 &choice->plane, build->progress, sets);
+                                 split, build->progress, sets);
     else
-        mlrt_apply_bvh_split(build->references.boxes, &portion->set, &choice->split, build->progress, sets);
+        mlrt_apply_bvh_split(build->references.boxes, &portion->set, split, build->progress, sets);
     if (mlrt_is_cancelled(build->progress)) return 0;
     if (sets[0].count == 0 || sets[1].count == 0) halve(build, sets);
     share_out(build, portion, sets, sides);
@@ -580,15 +548,15 @@ static struct mlrt_binary_node *start_node(const struct build *build, const stru
 /* Cuts a portion in two and returns 1. Returns 0 if the portion becomes a leaf, or the call is cancelled. */
 static int cut(struct build *build, struct portion *portion, struct mlrt_binary_node *node, struct portion sides[2])
 {
-    struct choice choice;
+    struct mlrt_bvh_split split;
     int is_small = portion->set.count <= MLRT_BVH_LEAF_LIMIT;
     if (is_small && (portion->budget < 2 || portion->set.count < 2)) return 0;
     if (mlrt_advance(build->progress, build->limits.cut_work * portion->set.count)) return 0;
-    choose(build, portion, &choice);
+    choose(build, portion, &split);
     /* If cancelled, bins may be unfinished, and a plane chosen from them may cut more references than fit. */
     if (portion->set.count > CHUNK_SIZE && mlrt_is_cancelled(build->progress)) return 0;
-    if (is_small && (choice.split.cost == HUGE_VAL || !split_pays(build, &portion->set, &choice.split))) return 0;
-    if (!apply(build, portion, &choice, sides)) return 0;
+    if (is_small && (split.cost == HUGE_VAL || !split_pays(build, &portion->set, &split))) return 0;
+    if (!apply(build, portion, &split, sides)) return 0;
     node->upper = sides[1].node;
     return 1;
 }

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cuts a set of references by a plane: see spatial_split.h.
+ * Cuts a set of references by a plane: see spatial_split.h. A slab is the space between two planes: a bin.
  *
  * The bounds of the parts in slabs are estimates in float: they only choose the plane. References are then cut by
  * scene/clip.c, whose boxes hold every point of the triangle.
  */
 #include "bvh/spatial_split.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -19,34 +18,14 @@
 
 /* ---- slabs --------------------------------------------------------------------------------------------------- */
 
-struct slabs {
-    MLRT_ALIGNED(16) float start[4];
-    MLRT_ALIGNED(16) float scale[4]; /* slabs per unit of length; 0 = all is in slab 0 */
-    float width[3];
-};
-
-static struct slabs cut_slabs(const struct mlrt_quad_box *box)
-{
-    struct slabs slabs;
-    slabs.start[3] = slabs.scale[3] = 0;
-    for (int k = 0; k < 3; k++) {
-        float extent = box->hi[k] - box->lo[k];
-        float scale = extent > 0 && extent <= FLT_MAX ? MLRT_SPATIAL_BINS * (1 - 0x1p-10f) / extent : 0;
-        slabs.start[k] = box->lo[k];
-        slabs.scale[k] = scale <= FLT_MAX ? scale : 0;
-        slabs.width[k] = slabs.scale[k] > 0 ? 1 / slabs.scale[k] : 0;
-    }
-    return slabs;
-}
-
 /* The slab of coordinate x. */
-MLRT_INLINE uint32_t slab_of(const struct slabs *slabs, uint32_t axis, float x)
+MLRT_INLINE uint32_t slab_of(const struct mlrt_binning *slabs, uint32_t axis, float x)
 {
     return (uint32_t)(int32_t)((x - slabs->start[axis]) * slabs->scale[axis]);
 }
 
 /* The coordinate at which a slab starts, approximately. */
-MLRT_INLINE float slab_start(const struct slabs *slabs, uint32_t axis, uint32_t slab)
+MLRT_INLINE float slab_start(const struct mlrt_binning *slabs, uint32_t axis, uint32_t slab)
 {
     return slabs->start[axis] + (float)slab * slabs->width[axis];
 }
@@ -115,8 +94,8 @@ MLRT_INLINE struct growing_box cross_section(const struct sorted_triangle *trian
  * the planes, and by the middle vertex if it lies between them.
  */
 MLRT_INLINE void fill_axis(const struct vertices *vertices, const struct mlrt_quad_box *reference,
-                           const struct slabs *slabs, uint32_t axis, uint32_t first, uint32_t last,
-                           struct mlrt_spatial_bins *bins)
+                           const struct mlrt_binning *slabs, uint32_t axis, uint32_t first, uint32_t last,
+                           struct mlrt_bvh_bins *bins)
 {
     const struct sorted_triangle sorted = sort_vertices(vertices, axis);
     f4 lo = f4_load(reference->lo), hi = f4_load(reference->hi);
@@ -130,27 +109,19 @@ MLRT_INLINE void fill_axis(const struct vertices *vertices, const struct mlrt_qu
         grow(&box, above.lo, above.hi);
         if (height <= sorted.middle_height && sorted.middle_height <= next_height)
             grow(&box, sorted.middle, sorted.middle);
-        extend_box(&bins->box[axis][slab], f4_max(box.lo, lo), f4_min(box.hi, hi));
+        extend_box(&bins->box[slab][axis], f4_max(box.lo, lo), f4_min(box.hi, hi));
         below = above;
         height = next_height;
     }
 }
 
-void mlrt_clear_spatial_bins(struct mlrt_spatial_bins *bins)
-{
-    memset(bins, 0, sizeof *bins);
-    for (int axis = 0; axis < 3; axis++)
-        for (int slab = 0; slab < MLRT_SPATIAL_BINS; slab++) clear_box(&bins->box[axis][slab]);
-}
-
 /* Triangles are prefetched so many references ahead. */
 #define AHEAD 12
 
-void mlrt_fill_spatial_bins(const struct mlrt_triangle *triangles, float unit, const struct mlrt_quad_box *references,
-                            uint32_t first, uint32_t count, const struct mlrt_quad_box *box,
-                            struct mlrt_spatial_bins *bins)
+void mlrt_fill_slabs(const struct mlrt_triangle *triangles, float unit, const struct mlrt_quad_box *references,
+                     uint32_t first, uint32_t count, const struct mlrt_quad_box *box, struct mlrt_bvh_bins *bins)
 {
-    struct slabs slabs = cut_slabs(box);
+    const struct mlrt_binning slabs = mlrt_cut_bins(box, bins->bin_count);
     f4 start = f4_load(slabs.start), scale = f4_load(slabs.scale);
     for (uint32_t i = first; i < first + count; i++) {
         const struct mlrt_quad_box *reference = &references[i];
@@ -164,10 +135,10 @@ void mlrt_fill_spatial_bins(const struct mlrt_triangle *triangles, float unit, c
         load_vertices(triangle, unit, &vertices);
         for (uint32_t axis = 0; axis < 3; axis++) {
             uint32_t first_slab = (uint32_t)(int32_t)low[axis], last_slab = (uint32_t)(int32_t)high[axis];
-            bins->first_count[axis][first_slab]++;
-            bins->last_count[axis][last_slab]++;
+            bins->first_count[first_slab][axis]++;
+            bins->last_count[last_slab][axis]++;
             if (first_slab == last_slab) {
-                extend_box(&bins->box[axis][first_slab], lo, hi);
+                extend_box(&bins->box[first_slab][axis], lo, hi);
             } else {
                 fill_axis(&vertices, reference, &slabs, axis, first_slab, last_slab, bins);
             }
@@ -175,51 +146,40 @@ void mlrt_fill_spatial_bins(const struct mlrt_triangle *triangles, float unit, c
     }
 }
 
-void mlrt_merge_spatial_bins(const struct mlrt_spatial_bins *bins, struct mlrt_spatial_bins *sum)
-{
-    for (int axis = 0; axis < 3; axis++)
-        for (int slab = 0; slab < MLRT_SPATIAL_BINS; slab++) {
-            extend_box(&sum->box[axis][slab], f4_load(bins->box[axis][slab].lo), f4_load(bins->box[axis][slab].hi));
-            sum->first_count[axis][slab] += bins->first_count[axis][slab];
-            sum->last_count[axis][slab] += bins->last_count[axis][slab];
-        }
-}
-
 /* ---- choice ---------------------------------------------------------------------------------------------------- */
 
-static void choose_on_axis(const struct mlrt_bvh_costs *costs, const struct mlrt_spatial_bins *bins, uint32_t count,
-                           uint32_t spare, uint32_t axis, struct mlrt_spatial_split *split)
+static void choose_on_axis(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t count,
+                           uint32_t spare, uint32_t axis, struct mlrt_bvh_split *split)
 {
-    struct mlrt_quad_box upper[MLRT_SPATIAL_BINS], lower;
+    struct mlrt_quad_box upper[MLRT_BVH_BINS], lower;
     struct growing_box box = empty_box();
     uint32_t lower_count = 0, upper_count = count;
-    for (uint32_t slab = MLRT_SPATIAL_BINS - 1; slab > 0; slab--) {
-        grow(&box, f4_load(bins->box[axis][slab].lo), f4_load(bins->box[axis][slab].hi));
+    for (uint32_t slab = bins->bin_count - 1; slab > 0; slab--) {
+        grow(&box, f4_load(bins->box[slab][axis].lo), f4_load(bins->box[slab][axis].hi));
         store_box(&box, &upper[slab]);
     }
     box = empty_box();
-    for (uint32_t slab = 0; slab < MLRT_SPATIAL_BINS - 1; slab++) {
-        lower_count += bins->first_count[axis][slab];
-        upper_count -= bins->last_count[axis][slab];
-        grow(&box, f4_load(bins->box[axis][slab].lo), f4_load(bins->box[axis][slab].hi));
+    for (uint32_t slab = 0; slab < bins->bin_count - 1; slab++) {
+        lower_count += (uint32_t)bins->first_count[slab][axis];
+        upper_count -= (uint32_t)bins->last_count[slab][axis];
+        grow(&box, f4_load(bins->box[slab][axis].lo), f4_load(bins->box[slab][axis].hi));
         if (lower_count == 0 || lower_count == count || upper_count == 0 || upper_count == count) continue;
         if (lower_count + upper_count - count > spare) continue;
         store_box(&box, &lower);
         double cost =
             area_of(&lower) * set_cost(costs, lower_count) + area_of(&upper[slab + 1]) * set_cost(costs, upper_count);
         if (!(cost < split->cost)) continue;
-        split->cost = cost;
-        split->axis = axis;
-        split->bin = slab;
-        split->count[0] = lower_count;
-        split->count[1] = upper_count;
-        split->box[0] = lower;
-        split->box[1] = upper[slab + 1];
+        *split = (struct mlrt_bvh_split){.cost = cost,
+                                         .kind = MLRT_SPLIT_BY_PLANE,
+                                         .axis = axis,
+                                         .bin = slab,
+                                         .count = {lower_count, upper_count},
+                                         .box = {lower, upper[slab + 1]}};
     }
 }
 
-void mlrt_choose_spatial_split(const struct mlrt_bvh_costs *costs, const struct mlrt_spatial_bins *bins, uint32_t count,
-                               uint32_t spare, struct mlrt_spatial_split *split)
+void mlrt_choose_plane(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t count,
+                       uint32_t spare, struct mlrt_bvh_split *split)
 {
     split->cost = HUGE_VAL;
     for (uint32_t axis = 0; axis < 3; axis++) choose_on_axis(costs, bins, count, spare, axis, split);
@@ -312,10 +272,10 @@ static int cut_reference(const struct mlrt_triangle *triangles, float unit, cons
  * side behind all references.
  */
 void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit, struct mlrt_quad_box *references,
-                              const struct mlrt_bvh_set *set, const struct mlrt_spatial_split *split,
+                              const struct mlrt_bvh_set *set, const struct mlrt_bvh_split *split,
                               struct mlrt_progress *progress, struct mlrt_bvh_set sides[2])
 {
-    struct slabs slabs = cut_slabs(&set->box);
+    const struct mlrt_binning slabs = mlrt_cut_bins(&set->box, MLRT_BVH_BINS);
     struct dealing dealing = {
         {empty_set(), empty_set()}, {0, 0}, {split->count[0], split->count[1]}, {split->box[0], split->box[1]}};
     uint32_t axis = split->axis, lower = set->first, next = lower, upper = lower + set->count, end = upper;

@@ -64,7 +64,7 @@ MLRT_INLINE f4 add_row(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
         products[axis] = f4_mul(extent, f4_next(extent));
     }
     for (int axis = 0; axis < 4; axis++) {
-        const int32_t count = side->count[axis] += bins->count[row][axis];
+        const int32_t count = side->count[axis] += bins->first_count[row][axis];
         const uint32_t leaf_count = ((uint32_t)count + MLRT_LEAF_TRIANGLES - 1) / MLRT_LEAF_TRIANGLES;
         per_area[axis] = costs->leaf * (float)(int32_t)leaf_count + costs->triangle * (float)count;
     }
@@ -81,11 +81,11 @@ static void join_bins(const struct mlrt_bvh_bins *bins, uint32_t axis, uint32_t 
 }
 
 void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins,
-                       const struct mlrt_quad_box *box, struct mlrt_bvh_split *split)
+                       const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split)
 {
     MLRT_ALIGNED(16) float upper[MLRT_BVH_BINS][4], cost[MLRT_BVH_BINS][4], best[4];
     const uint32_t last = bins->bin_count - 1;
-    const float relative = relative_unit(box);
+    const float relative = relative_unit(&set->box);
     const f4 unit = f4_set1(relative);
     struct side side = empty_side();
     f4 least = f4_set1(INFINITY);
@@ -99,14 +99,15 @@ void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
     }
     f4_store(best, least);
     for (uint32_t k = 1; k < 3; k++) axis = best[k] < best[axis] ? k : axis;
-    split->sorted = 0;
+    split->kind = MLRT_SPLIT_BY_BIN;
     split->cost = best[axis] < INFINITY ? (double)best[axis] / relative / relative : HUGE_VAL;
     if (split->cost == HUGE_VAL) return;
     while (cost[bin][axis] != best[axis]) bin++;
     split->axis = axis;
     split->bin = bin;
-    split->lower_count = 0;
-    for (uint32_t i = 0; i <= bin; i++) split->lower_count += (uint32_t)bins->count[i][axis];
+    split->count[0] = 0;
+    for (uint32_t i = 0; i <= bin; i++) split->count[0] += (uint32_t)bins->first_count[i][axis];
+    split->count[1] = set->count - split->count[0];
     join_bins(bins, axis, 0, bin, &split->box[0]);
     join_bins(bins, axis, bin + 1, last, &split->box[1]);
 }
@@ -155,13 +156,13 @@ void mlrt_sweep_set(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_b
         for (int axis = 0; axis < 3; axis++) {
             rank[axis][i] = (uint8_t)rank_of(key[axis], set->count, i);
             bins.box[rank[axis][i]][axis] = references[i];
-            bins.count[i][axis] = 1;
+            bins.first_count[i][axis] = 1;
         }
-        bins.count[i][3] = 0;
+        bins.first_count[i][3] = 0;
     }
     split->axis = 0; /* where there is no split */
-    mlrt_choose_split(costs, &bins, &set->box, split);
-    split->sorted = 1;
+    mlrt_choose_split(costs, &bins, set, split);
+    split->kind = MLRT_SPLIT_BY_RANK;
     memcpy(split->rank, rank[split->axis], sizeof split->rank);
 }
 
@@ -187,21 +188,16 @@ static void apply_ranks(struct mlrt_quad_box *references, const struct mlrt_bvh_
  */
 #define MANY_REFERENCES 256
 
-/* The bin of a centre along each axis is the whole part of (centre - start) * scale. */
-struct binning {
-    MLRT_ALIGNED(16) float start[4];
-    MLRT_ALIGNED(16) float scale[4];
-};
-
-/* If all centres along an axis are equal, or so close that the scale would overflow, it is 0: all are in bin 0. */
-static struct binning cut_bins(const struct mlrt_quad_box *centres, uint32_t bin_count)
+/* If coordinates along an axis are equal, or so close that the scale would overflow, it is 0: all are in bin 0. */
+struct mlrt_binning mlrt_cut_bins(const struct mlrt_quad_box *box, uint32_t bin_count)
 {
-    struct binning binning;
-    for (int k = 0; k < 4; k++) {
-        float extent = k < 3 ? centres->hi[k] - centres->lo[k] : 0;
-        float scale = extent > 0 ? (float)bin_count * (1 - 0x1p-10f) / extent : 0;
-        binning.start[k] = k < 3 ? centres->lo[k] : 0;
+    struct mlrt_binning binning = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0}};
+    for (int k = 0; k < 3; k++) {
+        const float extent = box->hi[k] - box->lo[k];
+        const float scale = extent > 0 ? (float)bin_count * (1 - 0x1p-10f) / extent : 0;
+        binning.start[k] = box->lo[k];
         binning.scale[k] = scale <= FLT_MAX ? scale : 0;
+        binning.width[k] = binning.scale[k] > 0 ? 1 / binning.scale[k] : 0;
     }
     return binning;
 }
@@ -211,12 +207,14 @@ static uint32_t bins_of(uint32_t count)
     return count < FEW_REFERENCES ? MLRT_BVH_BINS / 2 : MLRT_BVH_BINS;
 }
 
-void mlrt_clear_bins(uint32_t count, struct mlrt_bvh_bins *bins)
+void mlrt_clear_bins(enum mlrt_split_kind kind, uint32_t count, struct mlrt_bvh_bins *bins)
 {
-    bins->bin_count = bins_of(count);
+    bins->kind = kind;
+    bins->bin_count = kind == MLRT_SPLIT_BY_PLANE ? MLRT_BVH_BINS : bins_of(count);
     for (uint32_t i = 0; i < bins->bin_count; i++)
         for (int axis = 0; axis < 3; axis++) clear_box(&bins->box[i][axis]);
-    memset(bins->count, 0, bins->bin_count * sizeof *bins->count);
+    memset(bins->first_count, 0, bins->bin_count * sizeof *bins->first_count);
+    if (kind == MLRT_SPLIT_BY_PLANE) memset(bins->last_count, 0, sizeof bins->last_count);
 }
 
 /* Adds a reference to its bin along each axis. */
@@ -229,19 +227,19 @@ MLRT_INLINE void fill_bin(const struct mlrt_quad_box *reference, f4 start, f4 sc
     for (int axis = 0; axis < 3; axis++) {
         const int number = (int)bin[axis];
         extend_box(&bins->box[number][axis], lo, hi);
-        bins->count[number][axis]++;
+        bins->first_count[number][axis]++;
     }
 }
 
 void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
                     const struct mlrt_quad_box *centres, struct mlrt_bvh_bins *bins)
 {
-    const struct binning binning = cut_bins(centres, bins->bin_count);
+    const struct mlrt_binning binning = mlrt_cut_bins(centres, bins->bin_count);
     const f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
     const struct mlrt_quad_box *next = references + first, *end = next + count;
     if (count >= MANY_REFERENCES) {
         struct mlrt_bvh_bins others;
-        mlrt_clear_bins(count, &others);
+        mlrt_clear_bins(MLRT_SPLIT_BY_BIN, count, &others);
         for (; next + 1 < end; next += 2) {
             fill_bin(next, start, scale, bins);
             fill_bin(next + 1, start, scale, &others);
@@ -256,7 +254,8 @@ void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum
     for (uint32_t i = 0; i < sum->bin_count; i++)
         for (int axis = 0; axis < 3; axis++) {
             extend_box(&sum->box[i][axis], f4_load(bins->box[i][axis].lo), f4_load(bins->box[i][axis].hi));
-            sum->count[i][axis] += bins->count[i][axis];
+            sum->first_count[i][axis] += bins->first_count[i][axis];
+            if (sum->kind == MLRT_SPLIT_BY_PLANE) sum->last_count[i][axis] += bins->last_count[i][axis];
         }
 }
 
@@ -271,7 +270,7 @@ static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_s
     static const struct {
         MLRT_ALIGNED(16) float by[4];
     } MOVED[2] = {{{INFINITY, INFINITY, INFINITY, INFINITY}}, {{0, 0, 0, 0}}};
-    struct binning binning = cut_bins(&set->centres, bins_of(set->count));
+    struct mlrt_binning binning = mlrt_cut_bins(&set->centres, bins_of(set->count));
     f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
     struct growing_box lower = empty_box(), upper = empty_box();
     struct mlrt_quad_box *next = references + set->first, *end = next + set->count, *place = next;
@@ -300,7 +299,7 @@ void mlrt_apply_bvh_split(struct mlrt_quad_box *references, const struct mlrt_bv
                           struct mlrt_bvh_set sides[2])
 {
     const int is_split = split->cost < HUGE_VAL;
-    const uint32_t lower_count = is_split ? split->lower_count : set->count / 2;
+    const uint32_t lower_count = is_split ? split->count[0] : set->count / 2;
     const uint32_t upper = set->first + lower_count, upper_count = set->count - lower_count;
     if (!is_split) {
         sides[0] = mlrt_measure_set(references, set->first, lower_count, progress);
@@ -309,7 +308,7 @@ void mlrt_apply_bvh_split(struct mlrt_quad_box *references, const struct mlrt_bv
     }
     sides[0] = (struct mlrt_bvh_set){split->box[0], set->centres, set->first, lower_count};
     sides[1] = (struct mlrt_bvh_set){split->box[1], set->centres, upper, upper_count};
-    if (split->sorted)
+    if (split->kind == MLRT_SPLIT_BY_RANK)
         apply_ranks(references, set, split);
     else
         apply_bins(references, set, split, progress, sides);

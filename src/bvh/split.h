@@ -18,22 +18,36 @@
 /* With 16 bins expected costs are 0.3 % higher, with 64 they are no lower. */
 #define MLRT_BVH_BINS 32
 
-/* For each of the first `bin_count` bins of each axis, the box of its references and how many they are. */
+/* How a split deals out references: each by its own rank, by the bin of its centre, or cut by a plane between bins. */
+enum mlrt_split_kind { MLRT_SPLIT_BY_RANK, MLRT_SPLIT_BY_BIN, MLRT_SPLIT_BY_PLANE };
+
+/*
+ * The first `bin_count` bins of each axis, of equal width. References are put into bins by their centres (BY_BIN), or
+ * cut at the planes between bins (BY_PLANE): then a reference has a part in each bin from its first to its last.
+ */
 struct mlrt_bvh_bins {
-    struct mlrt_quad_box box[MLRT_BVH_BINS][3];
-    MLRT_ALIGNED(16) int32_t count[MLRT_BVH_BINS][4];
+    struct mlrt_quad_box box[MLRT_BVH_BINS][3];             /* of the references, or parts, in each bin */
+    MLRT_ALIGNED(16) int32_t first_count[MLRT_BVH_BINS][4]; /* how many references have it as their bin, or first bin */
+    MLRT_ALIGNED(16) int32_t last_count[MLRT_BVH_BINS][4];  /* BY_PLANE: as their last bin */
     uint32_t bin_count;
+    enum mlrt_split_kind kind;
 };
 
-/* A split of a set: by bins, or (sorted) by the order of its references. */
+/* The bin of x along each axis is the whole part of (x - start) * scale. Elements 3 are 0. */
+struct mlrt_binning {
+    MLRT_ALIGNED(16) float start[4];
+    MLRT_ALIGNED(16) float scale[4]; /* bins per unit of length */
+    float width[3];                  /* of a bin; 0 where all are in bin 0 */
+};
+
 struct mlrt_bvh_split {
     double cost; /* sum over both sides of area times cost; HUGE_VAL = there is no split */
+    enum mlrt_split_kind kind;
     uint32_t axis;
     uint32_t bin;                   /* bins up to this one are the lower side */
-    uint32_t lower_count;           /* references on the lower side */
-    int sorted;                     /* 1 = each reference has a bin of its own: its rank in the order of centres */
-    uint8_t rank[MLRT_SWEEP_LIMIT]; /* sorted: of each reference */
-    struct mlrt_quad_box box[2];    /* of both sides */
+    uint32_t count[2];              /* references of each side; by a plane at most, those on both sides counted twice */
+    uint8_t rank[MLRT_SWEEP_LIMIT]; /* by rank: of each reference, in the order of centres */
+    struct mlrt_quad_box box[2];    /* of both sides; by a plane estimated */
 };
 
 /* The set of `count` references from `first` on, at least one. If the call is cancelled, its boxes are unfinished. */
@@ -44,8 +58,11 @@ struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uin
 void mlrt_sweep_set(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_box *references,
                     const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split);
 
+/* The bins of coordinates, or centres, that lie in a box. */
+struct mlrt_binning mlrt_cut_bins(const struct mlrt_quad_box *box, uint32_t bin_count);
+
 /* Empties the bins of a set of `count` references. */
-void mlrt_clear_bins(uint32_t count, struct mlrt_bvh_bins *bins);
+void mlrt_clear_bins(enum mlrt_split_kind kind, uint32_t count, struct mlrt_bvh_bins *bins);
 
 /* Adds `count` references, from `first` on, to bins of a set whose centres lie in the box `centres`. */
 void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
@@ -54,13 +71,13 @@ void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint
 /* Adds bins to *sum: then it is as if the references of both had been added to it. */
 void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum);
 
-/* Sets *split to the cheapest split between bins. `box` is that of all references. */
+/* Sets *split to the cheapest split of a set between its bins, BY_BIN. */
 void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins,
-                       const struct mlrt_quad_box *box, struct mlrt_bvh_split *split);
+                       const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split);
 
 /*
- * Orders the references of a set by sides, lower ones first, and sets `sides`. If split->cost is HUGE_VAL, the sides
- * are halves. If the call is cancelled meanwhile, the set still has the same references, in any order.
+ * Orders the references of a set by sides, lower ones first, and sets `sides`; by rank or by bin. If split->cost is
+ * HUGE_VAL, the sides are halves. If the call is cancelled meanwhile, the set still has the same references, in any order.
  */
 void mlrt_apply_bvh_split(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
                           const struct mlrt_bvh_split *split, struct mlrt_progress *progress,
