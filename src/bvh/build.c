@@ -132,15 +132,6 @@ struct portion {
     uint32_t failed_count; /* spatial splits tried in vain, for this set and those above it, since one was made */
 };
 
-/* A subtree that one worker builds. */
-struct task {
-    struct portion *portion;
-    struct mlrt_forest_costs costs;
-    uint32_t slots;              /* of the node above, that it may take */
-    struct mlrt_bvh_cursor from; /* where it is written */
-    struct mlrt_bvh_size size;   /* 0 until it is measured */
-};
-
 /* The references of a chunk of triangles, and how many triangles are left out. */
 struct chunk {
     struct mlrt_bvh_set set;
@@ -168,7 +159,8 @@ struct work {
     struct portion *portions; /* the root, and the sides of all sets that are too large for tasks */
     uint32_t portion_count;
     struct portion **level; /* those of one depth that are too large */
-    struct task *tasks;
+    struct portion **tasks;      /* those that one worker each builds, in depth-first order */
+    struct mlrt_forest *forests; /* of the tasks, and one of no node at the end */
     uint32_t task_count;
     struct mlrt_bvh_bins *shares; /* of each worker: bins of its part of a set; NULL = there is only one */
     struct chunk *chunks;
@@ -585,7 +577,7 @@ static uint32_t build_subtree(struct build *build, struct portion *portion, stru
 static double build_task(struct build *build, uint32_t item, uint32_t worker)
 {
     (void)worker;
-    build_subtree(build, build->work.tasks[item].portion, &build->work.tasks[item].costs);
+    build_subtree(build, build->work.tasks[item], &build->work.forests[item].costs);
     return 0;
 }
 
@@ -623,10 +615,9 @@ static void cut_level(struct build *build, uint32_t count)
 static void add_task(struct build *build, struct portion *portion)
 {
     uint32_t i = build->work.task_count++;
-    build->work.tasks[i] = (struct task){.portion = NULL};
-    for (; i > 0 && build->work.tasks[i - 1].portion->node > portion->node; i--)
-        build->work.tasks[i].portion = build->work.tasks[i - 1].portion;
-    build->work.tasks[i].portion = portion;
+    for (; i > 0 && build->work.tasks[i - 1]->node > portion->node; i--)
+        build->work.tasks[i] = build->work.tasks[i - 1];
+    build->work.tasks[i] = portion;
 }
 
 /* Adds a set to the first `count` of a level: the largest comes first, so that no worker begins it when others end. */
@@ -653,19 +644,17 @@ static void find_tasks(struct build *build)
         }
         cut_level(build, count);
     }
-}
-
-static int is_next_task(const struct build *build, uint32_t number, uint32_t next_task)
-{
-    return next_task < build->work.task_count && build->work.tasks[next_task].portion->node == number;
+    for (uint32_t i = 0; i <= build->work.task_count; i++)
+        build->work.forests[i] =
+            (struct mlrt_forest){.node = i < build->work.task_count ? build->work.tasks[i]->node : UINT32_MAX};
 }
 
 /* Sets the choices of the nodes above the tasks, after all tasks have set theirs. */
-static void choose_upper(const struct build *build, uint32_t number, uint32_t *next_task,
+static void choose_upper(const struct build *build, uint32_t number, const struct mlrt_forest **next,
                          struct mlrt_forest_costs *costs)
 {
-    if (is_next_task(build, number, *next_task)) {
-        *costs = build->work.tasks[(*next_task)++].costs;
+    if ((*next)->node == number) {
+        *costs = (*next)++->costs;
         return;
     }
     struct mlrt_binary_node *node = &build->binary.nodes[number];
@@ -673,70 +662,46 @@ static void choose_upper(const struct build *build, uint32_t number, uint32_t *n
     struct mlrt_quad_box box;
     memcpy(box.lo, node->lo, sizeof node->lo);
     memcpy(box.hi, node->hi, sizeof node->hi);
-    choose_upper(build, number + 1, next_task, &side_costs[0]);
-    choose_upper(build, node->upper, next_task, &side_costs[1]);
+    choose_upper(build, number + 1, next, &side_costs[0]);
+    choose_upper(build, node->upper, next, &side_costs[1]);
     mlrt_choose_cut(&build->costs, relative_area(build, &box), side_costs, node, costs);
 }
 
 /* ---- nodes of sixteen ---------------------------------------------------------------------------------------- */
 
-/*
- * Writes the nodes of sixteen above the tasks, or only moves the cursor (collapse.h). Sets where each task is written,
- * and moves the cursor by the size of the task.
- */
-static void write_upper(struct build *build, uint32_t number, uint32_t slots, uint32_t *next_task,
-                        struct mlrt_bvh_cursor *cursor)
+/* Writes the nodes of sixteen above the tasks from the cursor on, or only moves the cursor. Returns where it is then. */
+static struct mlrt_bvh_cursor write_upper(struct build *build, struct mlrt_bvh_cursor cursor)
 {
-    if (is_next_task(build, number, *next_task)) {
-        struct task *task = &build->work.tasks[(*next_task)++];
-        task->slots = slots;
-        task->from = *cursor;
-        mlrt_add_size(&task->size, &cursor->size);
-        return;
-    }
-    const struct mlrt_binary_node *node = &build->binary.nodes[number];
-    const struct mlrt_cut cut = mlrt_cut_of(node, slots);
-    const struct mlrt_bvh_cursor above = *cursor;
-    if (cut.kind == MLRT_CUT_NODE) mlrt_enter_node(node, build->tree, cursor);
-    write_upper(build, number + 1, cut.slots[0], next_task, cursor);
-    write_upper(build, node->upper, cut.slots[1], next_task, cursor);
-    if (cut.kind == MLRT_CUT_NODE) mlrt_leave_node(&above, cursor);
-}
-
-/* The upper nodes begin at `cursor`. Returns it behind them. */
-static struct mlrt_bvh_cursor write_upper_from(struct build *build, struct mlrt_bvh_cursor cursor)
-{
-    uint32_t next_task = 0;
-    write_upper(build, 0, 1, &next_task, &cursor);
+    mlrt_write_forest(&build->binary, 0, 1, build->tree, build->progress, build->work.forests, &cursor);
     return cursor;
 }
 
 static double measure_task(struct build *build, uint32_t item, uint32_t worker)
 {
-    struct task *task = &build->work.tasks[item];
-    struct mlrt_bvh_cursor cursor = {.size = {.depth = task->from.depth}, .depth = task->from.depth};
+    struct mlrt_forest *forest = &build->work.forests[item];
+    struct mlrt_bvh_cursor cursor = {.size = {.depth = forest->from.depth}, .depth = forest->from.depth};
     (void)worker;
-    mlrt_write_forest(&build->binary, task->portion->node, task->slots, build->tree, build->progress, &cursor);
-    task->size = cursor.size;
+    mlrt_write_forest(&build->binary, forest->node, forest->slots, build->tree, build->progress, NULL, &cursor);
+    forest->size = cursor.size;
     return 0;
 }
 
 static struct mlrt_bvh_size measure_all(struct build *build)
 {
     const struct mlrt_bvh_cursor start = {.depth = 0};
-    struct mlrt_bvh_size size = write_upper_from(build, start).size;
+    struct mlrt_bvh_size size = write_upper(build, start).size;
     run_step(build, build->work.task_count, measure_task);
-    for (uint32_t i = 0; i < build->work.task_count; i++) mlrt_add_size(&build->work.tasks[i].size, &size);
+    for (uint32_t i = 0; i < build->work.task_count; i++) mlrt_add_size(&build->work.forests[i].size, &size);
     if (build->binary.nodes[0].choice[1] == 0) size.node_count = size.depth = 1;
     return size;
 }
 
 static double write_task(struct build *build, uint32_t item, uint32_t worker)
 {
-    struct task *task = &build->work.tasks[item];
+    struct mlrt_forest *forest = &build->work.forests[item];
     (void)worker;
-    mlrt_write_forest(&build->binary, task->portion->node, task->slots, build->tree, build->progress, &task->from);
-    return LAST_WORK * task->portion->set.count;
+    mlrt_write_forest(&build->binary, forest->node, forest->slots, build->tree, build->progress, NULL, &forest->from);
+    return LAST_WORK * build->work.tasks[item]->set.count;
 }
 
 /*
@@ -750,7 +715,7 @@ static int32_t write_all(struct build *build)
     const struct mlrt_bvh_cursor start = {.size = {.node_count = (uint32_t)is_leaf},
                                           .parent = is_leaf ? build->tree->bvh.nodes : &above};
     mlrt_clear_node(start.parent);
-    write_upper_from(build, start);
+    write_upper(build, start);
     return run_step(build, build->work.task_count, write_task);
 }
 
@@ -773,6 +738,7 @@ static uint64_t lay_out_work(struct build *build, unsigned char *memory)
     build->binary.nodes = take(memory, 2 * (size_t)build->limits.leaf_limit - 1, sizeof *build->binary.nodes, &size);
     build->binary.triangles = take(memory, build->limits.capacity, sizeof *build->binary.triangles, &size);
     build->work.tasks = take(memory, build->limits.task_capacity, sizeof *build->work.tasks, &size);
+    build->work.forests = take(memory, (size_t)build->limits.task_capacity + 1, sizeof *build->work.forests, &size);
     build->work.level = take(memory, build->limits.level_capacity, sizeof *build->work.level, &size);
     build->work.portions = take(memory, 2 * (size_t)build->limits.task_capacity, sizeof *build->work.portions, &size);
     build->work.parts = take(memory, MLRT_BVH_PART_LIMIT, sizeof *build->work.parts, &size);
@@ -863,14 +829,14 @@ static int32_t build_binary(struct build *build, uint32_t depth_limit, struct ml
     root->node = root->depth = root->failed_count = 0;
     root->budget = build->limits.leaf_limit;
     struct mlrt_forest_costs costs;
-    uint32_t next_task = 0;
+    const struct mlrt_forest *next = build->work.forests;
     measure_scene(build, &root->set.box);
     build->work.task_count = 0;
     build->depth_limit = depth_limit;
     find_tasks(build);
     if (!mlrt_is_cancelled(build->progress)) run_step(build, build->work.task_count, build_task);
     if (mlrt_is_cancelled(build->progress)) return MLRT_ERROR_CANCELLED;
-    choose_upper(build, 0, &next_task, &costs);
+    choose_upper(build, 0, &next, &costs);
     *size = measure_all(build);
     return mlrt_is_cancelled(build->progress) ? MLRT_ERROR_CANCELLED : MLRT_OK;
 }

@@ -64,22 +64,6 @@ void mlrt_choose_cut(const struct mlrt_bvh_costs *costs, float area, const struc
     }
 }
 
-/* ---- cuts ---------------------------------------------------------------------------------------------------- */
-
-struct mlrt_cut mlrt_cut_of(const struct mlrt_binary_node *node, uint32_t slots)
-{
-    struct mlrt_cut cut = {MLRT_CUT_BOTH, {0, 0}};
-    while (slots > 1 && node->choice[slots] == 0) slots--;
-    cut.slots[0] = node->choice[slots];
-    if (slots == 1) {
-        cut.kind = node->choice[1] == 0 ? MLRT_CUT_LEAF : MLRT_CUT_NODE;
-        cut.slots[0] = node->choice[0];
-        slots = MLRT_NODE_CHILDREN;
-    }
-    cut.slots[1] = slots - cut.slots[0];
-    return cut;
-}
-
 static uint32_t quads_of(uint32_t count)
 {
     return (count + 3) / 4;
@@ -163,7 +147,8 @@ void mlrt_add_size(const struct mlrt_bvh_size *part, struct mlrt_bvh_size *sum)
     if (part->depth > sum->depth) sum->depth = part->depth;
 }
 
-void mlrt_enter_node(const struct mlrt_binary_node *node, struct mlrt_tree *tree, struct mlrt_bvh_cursor *cursor)
+/* Writes a binary node as a node of sixteen without children, and moves the cursor to its children. */
+static void enter_node(const struct mlrt_binary_node *node, struct mlrt_tree *tree, struct mlrt_bvh_cursor *cursor)
 {
     const uint32_t number = cursor->size.node_count++;
     write_child(cursor, node, number << 3);
@@ -174,30 +159,47 @@ void mlrt_enter_node(const struct mlrt_binary_node *node, struct mlrt_tree *tree
     mlrt_clear_node(cursor->parent);
 }
 
-void mlrt_leave_node(const struct mlrt_bvh_cursor *above, struct mlrt_bvh_cursor *cursor)
+/* What the calls of `write_slots` for all binary nodes have in common. */
+struct writing {
+    const struct mlrt_binary_tree *binary;
+    struct mlrt_tree *tree;
+    struct mlrt_progress *progress;
+    struct mlrt_forest *next; /* the next that is left out; NULL = there is none */
+};
+
+/* Writes a binary node in the cheapest way that takes at most `slots` slots. */
+static void write_slots(struct writing *writing, uint32_t number, uint32_t slots, struct mlrt_bvh_cursor *cursor)
 {
-    cursor->size.slot_count = above->size.slot_count + 1;
-    cursor->depth = above->depth;
-    cursor->parent = above->parent;
+    const struct mlrt_binary_node *node = &writing->binary->nodes[number];
+    const struct mlrt_bvh_cursor above = *cursor;
+    if (writing->next != NULL && writing->next->node == number) {
+        struct mlrt_forest *forest = writing->next++;
+        forest->slots = slots;
+        forest->from = above;
+        mlrt_add_size(&forest->size, &cursor->size);
+        return;
+    }
+    while (slots > 1 && node->choice[slots] == 0) slots--;
+    if (slots > 1) { /* the slots of both children */
+        write_slots(writing, number + 1, node->choice[slots], cursor);
+        write_slots(writing, node->upper, slots - node->choice[slots], cursor);
+    } else if (node->choice[1] == 0) {
+        write_child(cursor, node, cursor->size.quad_count << 3 | quads_of(node->count));
+        if (cursor->parent) write_leaf(writing->binary, node, writing->tree, cursor->size.quad_count);
+        cursor->size.quad_count += quads_of(node->count);
+    } else if (!cursor->parent || !mlrt_is_cancelled(writing->progress)) {
+        enter_node(node, writing->tree, cursor);
+        write_slots(writing, number + 1, node->choice[0], cursor);
+        write_slots(writing, node->upper, MLRT_NODE_CHILDREN - node->choice[0], cursor);
+        cursor->size.slot_count = above.size.slot_count + 1;
+        cursor->depth = above.depth;
+        cursor->parent = above.parent;
+    }
 }
 
 void mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, struct mlrt_tree *tree,
-                       struct mlrt_progress *progress, struct mlrt_bvh_cursor *cursor)
+                       struct mlrt_progress *progress, struct mlrt_forest *next, struct mlrt_bvh_cursor *cursor)
 {
-    const struct mlrt_binary_node *node = &binary->nodes[number];
-    const struct mlrt_cut cut = mlrt_cut_of(node, slots);
-    const struct mlrt_bvh_cursor above = *cursor;
-    if (cut.kind == MLRT_CUT_LEAF) {
-        write_child(cursor, node, cursor->size.quad_count << 3 | quads_of(node->count));
-        if (cursor->parent) write_leaf(binary, node, tree, cursor->size.quad_count);
-        cursor->size.quad_count += quads_of(node->count);
-        return;
-    }
-    if (cut.kind == MLRT_CUT_NODE) {
-        if (cursor->parent && mlrt_is_cancelled(progress)) return;
-        mlrt_enter_node(node, tree, cursor);
-    }
-    mlrt_write_forest(binary, number + 1, cut.slots[0], tree, progress, cursor);
-    mlrt_write_forest(binary, node->upper, cut.slots[1], tree, progress, cursor);
-    if (cut.kind == MLRT_CUT_NODE) mlrt_leave_node(&above, cursor);
+    struct writing writing = {binary, tree, progress, next};
+    write_slots(&writing, number, slots, cursor);
 }

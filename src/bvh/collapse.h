@@ -47,15 +47,6 @@ void mlrt_choose_leaf(const struct mlrt_bvh_costs *costs, float area, struct mlr
 void mlrt_choose_cut(const struct mlrt_bvh_costs *costs, float area, const struct mlrt_forest_costs children[2],
                      struct mlrt_binary_node *node, struct mlrt_forest_costs *result);
 
-/* A binary node becomes a leaf, a node of sixteen, or (BOTH) the slots of its two children. */
-struct mlrt_cut {
-    enum { MLRT_CUT_LEAF, MLRT_CUT_NODE, MLRT_CUT_BOTH } kind;
-    uint32_t slots[2]; /* slots of each child, unless it is a leaf */
-};
-
-/* The cheapest cut of a binary node that is at most `slots` slots. */
-struct mlrt_cut mlrt_cut_of(const struct mlrt_binary_node *node, uint32_t slots);
-
 /* The binary hierarchy. */
 struct mlrt_binary_tree {
     struct mlrt_binary_node *nodes;
@@ -80,18 +71,23 @@ struct mlrt_bvh_cursor {
     struct mlrt_bvh_node *parent; /* the node whose children are written; NULL = nothing is written, only counted */
 };
 
+/* A binary node that one worker makes, and all below it. */
+struct mlrt_forest {
+    uint32_t node;
+    struct mlrt_forest_costs costs;
+    uint32_t slots;              /* of the node above, that it may take at most */
+    struct mlrt_bvh_cursor from; /* where it is written */
+    struct mlrt_bvh_size size;   /* 0 until it is measured */
+};
+
 /*
  * Writes what binary node `number` and all below it become, as at most `slots` slots of a node above, into tree->bvh,
- * which has room for it; not all of it if the call is cancelled. Moves the cursor behind it.
+ * which has room for it; not all of it if the call is cancelled. Moves the cursor behind it. The forests from `next` on
+ * (NULL = there are none), which end with one of no node, are left out: sets `slots` and `from` of each, and moves the
+ * cursor by its size.
  */
 void mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, struct mlrt_tree *tree,
-                       struct mlrt_progress *progress, struct mlrt_bvh_cursor *cursor);
-
-/* Writes a binary node as a node of sixteen without children, and moves the cursor to its children. */
-void mlrt_enter_node(const struct mlrt_binary_node *node, struct mlrt_tree *tree, struct mlrt_bvh_cursor *cursor);
-
-/* Moves the cursor from the end of these children behind their node. `above` is the cursor as it entered the node. */
-void mlrt_leave_node(const struct mlrt_bvh_cursor *above, struct mlrt_bvh_cursor *cursor);
+                       struct mlrt_progress *progress, struct mlrt_forest *next, struct mlrt_bvh_cursor *cursor);
 
 /* Makes all slots of a node empty. */
 void mlrt_clear_node(struct mlrt_bvh_node *node);
