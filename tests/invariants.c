@@ -6,7 +6,6 @@
 
 #include "bvh/check.h"
 #include "bvh/node.h"
-#include "mlrta/check.h"
 #include "mlrta/kdtree.h"
 
 /* ---- points of triangles ---- */

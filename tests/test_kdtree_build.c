@@ -14,7 +14,6 @@
 #include <float.h>
 #include <math.h>
 
-#include "mlrta/build.h"
 #include "invariants.h"
 #include "mlrta/kdtree.h"
 

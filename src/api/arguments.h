@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "base/run_options.h"
+#include "base/host.h"
 #include "base/structs.h"
 #include "job/job.h"
 

@@ -18,6 +18,13 @@ struct mlrt_voice {
     size_t message_size;
 };
 
+/* The options that all calls that trace have in common. */
+struct mlrt_run_options {
+    mlrt_pool *pool;         /* NULL = the calling thread alone */
+    mlrt_counters *counters; /* NULL = nothing is counted */
+    mlrt_host host;          /* checked; all 0 = no host */
+};
+
 /*
  * Begins a call whose options were copied: sets its voice to their message buffer and host, and then checks the fields
  * of the options, which are of this form. So a message about these fields reaches buffer and host. Returns a status.

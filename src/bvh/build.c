@@ -33,11 +33,9 @@
 #include "base/progress.h"
 #include "base/scheduler.h"
 #include "base/tuning.h"
-#include "bvh/box.h"
 #include "bvh/check.h"
 #include "bvh/collapse.h"
 #include "bvh/places.h"
-#include "bvh/spatial_split.h"
 #include "bvh/split.h"
 #include "bvh/unit.h"
 #include "exact/predicate.h"
@@ -158,7 +156,7 @@ struct work {
     uint64_t size;
     struct portion *portions; /* the root, and the sides of all sets that are too large for tasks */
     uint32_t portion_count;
-    struct portion **level; /* those of one depth that are too large */
+    struct portion **level;      /* those of one depth that are too large */
     struct portion **tasks;      /* those that one worker each builds, in depth-first order */
     struct mlrt_forest *forests; /* of the tasks, and one of no node at the end */
     uint32_t task_count;

@@ -10,7 +10,6 @@
 
 #include "base/hash.h"
 #include "base/progress.h"
-#include "bvh/box.h"
 #include "bvh/node.h"
 #include "bvh/split.h"
 #include "bvh/unit.h"

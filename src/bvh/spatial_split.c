@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cuts a set of references by a plane: see spatial_split.h. A slab is the space between two planes: a bin.
+ * Cuts a set of references by a plane: see split.h. A reference on both sides becomes two. This helps where large
+ * triangles lie among small ones: a large one as a whole makes the boxes of both sides overlap, whichever side it is on.
  *
- * The bounds of the parts in slabs are estimates in float: they only choose the plane. References are then cut by
- * scene/clip.c, whose boxes hold every point of the triangle.
+ * A slab is a bin: the space between two planes. The bounds of the parts in slabs are estimates in float: they only
+ * choose the plane. References are then cut by scene/clip.c, whose boxes hold every point of the triangle.
+ *
+ * Based on: Martin Stich, Heiko Friedrich, Andreas Dietrich, "Spatial Splits in Bounding Volume Hierarchies", 2009.
  */
-#include "bvh/spatial_split.h"
+#include "bvh/split.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "base/progress.h"
-#include "bvh/box.h"
-#include "bvh/split.h"
 #include "bvh/unit.h"
 #include "scene/clip.h"
 

@@ -11,6 +11,7 @@
 
 #include "base/progress.h"
 #include "bvh/set.h"
+#include "exact/triangle.h"
 
 /* Sets of up to so many references are split at the best of all places. In larger sets bins are as good and faster. */
 #define MLRT_SWEEP_LIMIT 32
@@ -82,5 +83,28 @@ void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
 void mlrt_apply_bvh_split(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
                           const struct mlrt_bvh_split *split, struct mlrt_progress *progress,
                           struct mlrt_bvh_set sides[2]);
+
+/* ---- spatial_split.c: planes that cut references -------------------------------------------------------------- */
+
+/*
+ * Adds `count` references, from `first` on, to bins of a set whose box is `box`: to each bin the part of the triangle
+ * that lies in it, of which the bounds are estimated.
+ */
+void mlrt_fill_slabs(const struct mlrt_triangle *triangles, float unit, const struct mlrt_quad_box *references,
+                     uint32_t first, uint32_t count, const struct mlrt_quad_box *box, struct mlrt_bvh_bins *bins);
+
+/* Sets *split to the cheapest plane between such bins that has at most `spare` references on both sides. */
+void mlrt_choose_plane(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t count,
+                       uint32_t spare, struct mlrt_bvh_split *split);
+
+/*
+ * Splits a set in place, and sets `sides`. There must be room for split->count[0] + split->count[1] references from
+ * set->first on. A reference on both sides stays whole, on one side, where that is cheaper. The upper side lies behind
+ * the lower one, possibly with a gap; one side can be empty. If the call is cancelled meanwhile, the references are
+ * undefined.
+ */
+void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit, struct mlrt_quad_box *references,
+                              const struct mlrt_bvh_set *set, const struct mlrt_bvh_split *split,
+                              struct mlrt_progress *progress, struct mlrt_bvh_set sides[2]);
 
 #endif

@@ -12,7 +12,7 @@
  * Based on: Alexander Reshetov, Alexei Soupikov, Jim Hurley, "Multi-Level Ray Tracing Algorithm", 2005, section 3.1.
  * Wenzel Jakob, Mitsuba renderer, 2010 (bad refinements and retraction).
  */
-#include "mlrta/build.h"
+#include "mlrta/kdtree.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -22,8 +22,6 @@
 #include "base/progress.h"
 #include "base/scheduler.h"
 #include "exact/predicate.h"
-#include "mlrta/check.h"
-#include "mlrta/kdtree.h"
 #include "mlrta/split.h"
 #include "scene/clip.h"
 

@@ -3,14 +3,13 @@
  * Statistics of a tree and its invariants: see check.h. Neither walk is recursive: in a damaged tree a recursion might
  * never end.
  */
-#include "mlrta/check.h"
+#include "mlrta/kdtree.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "base/progress.h"
 #include "exact/predicate.h"
-#include "mlrta/kdtree.h"
 
 /* A node to visit, with its cell. */
 struct visit {

@@ -1,7 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Outlines of triangles, and the rays of a packet whose slopes overlap an outline. cell_outline.h says what an outline
- * is.
+ * Outlines: where triangles and cells are seen from an apex. A packet skips a triangle or cell if its outline shows
+ * that no ray can hit it.
+ *
+ * Along a main axis with its sign, a point in front of the apex has a depth, and over each of the two other axes a
+ * slope x_j / depth. If all vertices of a triangle or box are in front of the apex, the slopes of every ray that hits
+ * it lie between those of its vertices. The slope of a vertex has three roundings, that of a ray two; bounds of both
+ * are moved apart by 2^-20 of themselves (SLOPE_SLACK). So rays whose slopes do not overlap an outline surely miss the
+ * triangle or box. If a vertex is not in front of the apex, the outline has no bounds.
  *
  * Groups are narrow (ray_group.h), so none of their rays has a main component of 0.
  */
@@ -11,10 +17,35 @@
 #include <math.h>
 
 #include "job/job.h"
-#include "mlrta/cell_outline.h"
 #include "mlrta/setups.h"
 #include "rays/slope_limits.h"
 #include "simd/simd.h"
+
+/* An axis and its sign as one number. */
+MLRT_INLINE uint32_t cell_axis_code(int axis, int negative)
+{
+    return (uint32_t)axis | (negative ? 4u : 0);
+}
+
+MLRT_INLINE void set_outline_side(float lo, float hi, float least_depth, int side, struct mlrt_outline *outline)
+{
+    outline->slope_lo[side] = least_depth > 0 ? lo - fabsf(lo) * SLOPE_SLACK : -INFINITY;
+    outline->slope_hi[side] = least_depth > 0 ? hi + fabsf(hi) * SLOPE_SLACK : INFINITY;
+}
+
+MLRT_INLINE void set_box_outline(const struct mlrt_box *box, uint32_t code, const float apex[3],
+                                 struct mlrt_outline *outline)
+{
+    const uint32_t a = code & 3;
+    const float near = code & 4 ? apex[a] - box->hi[a] : box->lo[a] - apex[a];
+    const float far = code & 4 ? apex[a] - box->lo[a] : box->hi[a] - apex[a];
+    outline->least_depth = near;
+    for (int side = 0; side < 2; ++side) {
+        const uint32_t j = (a + 1 + (uint32_t)side) % 3;
+        const float lo = box->lo[j] - apex[j], hi = box->hi[j] - apex[j];
+        set_outline_side(lo / (lo < 0 ? near : far), hi / (hi < 0 ? far : near), near, side, outline);
+    }
+}
 
 MLRT_INLINE void set_triangle_outline(const struct mlrt_triangle *triangle, uint32_t code, const float apex[3],
                                       struct mlrt_outline *outline)

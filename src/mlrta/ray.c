@@ -7,12 +7,11 @@
  *
  * Based on: V. Havran, "Heuristic Ray Shooting Algorithms", 2000, appendix C (recursive traversal with a stack).
  */
-#include "mlrta/ray.h"
+#include "mlrta/kdtree.h"
 
 #include "base/platform.h"
 #include "exact/nearest.h"
 #include "exact/ray_interval.h"
-#include "mlrta/kdtree.h"
 #include "scene/masks.h"
 #include "scene/tree.h"
 

@@ -7,10 +7,7 @@
 #include <math.h>
 
 #include "job/job.h"
-#include "mlrta/build.h"
-#include "mlrta/check.h"
 #include "mlrta/kdtree.h"
-#include "mlrta/ray.h"
 #include "mlrta/setups.h"
 
 static void free_nodes(struct mlrt_tree *tree)

@@ -6,7 +6,7 @@
 
 #include "base/counters.h"
 #include "base/progress.h"
-#include "base/run_options.h"
+#include "base/host.h"
 #include "base/scheduler.h"
 #include "exact/hit_list.h"
 #include "job/structure.h"

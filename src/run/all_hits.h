@@ -3,7 +3,7 @@
 #ifndef MLRT_RUN_ALL_HITS_H
 #define MLRT_RUN_ALL_HITS_H
 
-#include "base/run_options.h"
+#include "base/host.h"
 #include "rays/source.h"
 
 /* Traces the rays of a source, which must not be a camera. Returns a status. */

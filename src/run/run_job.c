@@ -9,7 +9,7 @@
 
 #include "base/counters.h"
 #include "base/progress.h"
-#include "base/run_options.h"
+#include "base/host.h"
 #include "base/scheduler.h"
 #include "hits/undecided.h"
 #include "job/structure.h"

@@ -3,7 +3,7 @@
 #ifndef MLRT_RUN_RUN_JOB_H
 #define MLRT_RUN_RUN_JOB_H
 
-#include "base/run_options.h"
+#include "base/host.h"
 #include "job/job.h"
 
 /*
