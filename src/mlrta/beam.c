@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The beam of a tile of any source. view_beam.c makes the beams of cameras; those of arrays are made here, from every
- * ray of the tile.
- */
+/* The beam of a tile: of a camera by the corners of the tile, of arrays by every ray. */
 #include "mlrta/beam.h"
 
 #include <math.h>
@@ -21,6 +18,168 @@ void mlrt_set_slope(struct mlrt_beam *beam, int a, int j, double lo, double hi)
     beam->slope_hi[a][j] = isinf(hi) ? INFINITY : mlrt_float_up(hi + fabs(hi) * MLRT_SLOPE_SLACK);
 }
 
+/* Sets the main axis, and bounds of the slopes of all directions between lo and hi. Each component has one sign. */
+static void set_slopes(const float lo[3], const float hi[3], struct mlrt_beam *beam)
+{
+    float size[3];
+    beam->main_axis = 0;
+    for (int a = 0; a < 3; ++a) {
+        size[a] = fmaxf(-lo[a], hi[a]);
+        if (size[a] > size[beam->main_axis]) beam->main_axis = a;
+        for (int j = 0; j < 3; ++j) {
+            const double p = (double)lo[j] / lo[a], q = (double)lo[j] / hi[a];
+            const double r = (double)hi[j] / lo[a], s = (double)hi[j] / hi[a];
+            if (j == a) continue;
+            if (lo[a] == 0 || hi[a] == 0)
+                mlrt_set_slope(beam, a, j, -INFINITY, INFINITY);
+            else
+                mlrt_set_slope(beam, a, j, fmin(fmin(p, q), fmin(r, s)), fmax(fmax(p, q), fmax(r, s)));
+        }
+    }
+}
+
+/* ---- cameras ------------------------------------------------------------------------------------------------- */
+
+/*
+ * A tile's vectors p = d00 + x dx + y dy are affine in (x, y). So over the rectangle of sample positions, each
+ * component has its extremes at the four corners, and so has each ratio of two components whose denominator keeps its
+ * sign. But the rays have *rounded* vectors. By the formula of rays/camera.h, component k is off by at most
+ *
+ *     fl(x dx): u |x dx|;  first sum: u (|d00| + |x dx|)(1 + u);  fl(y dy): u |y dy|;  second sum: u of everything
+ *
+ * so by less than 3 u (|d00_k| + |x dx_k| + |y dy_k|) (1 + 2 u), with u = 2^-24. `pad` is 4 u times the largest such
+ * sum over the corners, plus 2^-146 for underflow. With exact values A and pads p, a ratio is off by
+ *
+ *     |(A_j + e_j) / (A_a + e_a) - A_j / A_a| <= (p_j + |A_j / A_a| p_a) / (|A_a| - p_a).
+ */
+
+/* The vectors p at the corners of a tile's sample positions, off by at most 2^-52 of their terms, and the pads. */
+struct corners {
+    double p[3][4];
+    double pad[3];
+};
+
+static void find_corners(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+                         struct corners *corners)
+{
+    const double xs[2] = {mlrt_sample_position(view->crop.x, x, view->sample_x),
+                          mlrt_sample_position(view->crop.x, x + width - 1, view->sample_x)};
+    const double ys[2] = {mlrt_sample_position(view->crop.y, y, view->sample_y),
+                          mlrt_sample_position(view->crop.y, y + height - 1, view->sample_y)};
+    const double x_max = fmax(fabs(xs[0]), fabs(xs[1])), y_max = fmax(fabs(ys[0]), fabs(ys[1]));
+    for (int k = 0; k < 3; ++k) {
+        const double d00 = view->d00[k], dx = view->dx[k], dy = view->dy[k];
+        for (int i = 0; i < 4; ++i) corners->p[k][i] = d00 + xs[i & 1] * dx + ys[i >> 1] * dy;
+        corners->pad[k] = 0x1p-22 * (fabs(d00) + x_max * fabs(dx) + y_max * fabs(dy)) + 0x1p-146;
+    }
+}
+
+struct range {
+    double lo;
+    double hi;
+};
+
+/* Bounds of component k over the rays of the tile. */
+static struct range component_range(const struct corners *corners, int k)
+{
+    struct range range = {corners->p[k][0], corners->p[k][0]};
+    for (int i = 1; i < 4; ++i) {
+        range.lo = corners->p[k][i] < range.lo ? corners->p[k][i] : range.lo;
+        range.hi = corners->p[k][i] > range.hi ? corners->p[k][i] : range.hi;
+    }
+    range.lo -= corners->pad[k];
+    range.hi += corners->pad[k];
+    return range;
+}
+
+/* 1 if component k is exactly 0 for every pixel, so that it needs no pad. */
+static int is_zero_component(const struct mlrt_view *view, int k)
+{
+    return view->d00[k] == 0 && view->dx[k] == 0 && view->dy[k] == 0;
+}
+
+/* Bounds the points of the rays along axis k: from the range of their origins forward, to t_max. */
+static void set_region(struct mlrt_beam *beam, int k, double direction_lo, double direction_hi, double t_max)
+{
+    double lo = beam->origin_lo[k], hi = beam->origin_hi[k];
+    if (beam->negative[k]) {
+        lo = isinf(t_max) ? -INFINITY : lo + t_max * direction_lo;
+    } else if (direction_hi > 0) {
+        hi = isinf(t_max) ? INFINITY : hi + t_max * direction_hi;
+    }
+    beam->region.lo[k] = mlrt_float_down(lo - fabs(lo) * 0x1p-50);
+    beam->region.hi[k] = mlrt_float_up(hi + fabs(hi) * 0x1p-50);
+}
+
+static int make_pinhole_beam(const struct mlrt_view *view, const struct corners *corners, struct mlrt_beam *beam)
+{
+    double reciprocal[3][4], nearest[3], largest = -1;
+    for (int k = 0; k < 3; ++k) {
+        struct range range = is_zero_component(view, k) ? (struct range){0, 0} : component_range(corners, k);
+        if (range.lo < 0 && range.hi >= 0) return 0;
+        if (!mlrt_is_float_safe(view->eye[k])) return 0;
+        if (range.lo < -MLRT_SAFE_MAX || range.hi > MLRT_SAFE_MAX) return 0;
+        beam->negative[k] = range.hi < 0;
+        beam->origin_lo[k] = beam->origin_hi[k] = view->eye[k];
+        set_region(beam, k, range.lo, range.hi, view->t_max);
+        nearest[k] = beam->negative[k] ? -range.hi : range.lo; /* min |A_a| - p_a */
+        for (int i = 0; i < 4; ++i) reciprocal[k][i] = 1 / corners->p[k][i];
+        if (nearest[k] > largest) {
+            largest = nearest[k];
+            beam->main_axis = k;
+        }
+    }
+    if (largest <= 0) return 0;
+    for (int a = 0; a < 3; ++a) {
+        for (int j = 0; j < 3; ++j) {
+            if (j == a) continue;
+            if (nearest[a] <= 0) {
+                mlrt_set_slope(beam, a, j, -INFINITY, INFINITY);
+                continue;
+            }
+            double lo = INFINITY, hi = -INFINITY, size = 0;
+            for (int i = 0; i < 4; ++i) {
+                double slope = corners->p[j][i] * reciprocal[a][i];
+                lo = slope < lo ? slope : lo;
+                hi = slope > hi ? slope : hi;
+            }
+            size = fabs(lo) > fabs(hi) ? fabs(lo) : fabs(hi);
+            double slack = (corners->pad[j] + size * corners->pad[a]) / nearest[a] * (1 + 0x1p-40);
+            mlrt_set_slope(beam, a, j, lo - slack, hi + slack);
+        }
+    }
+    beam->has_apex = 1;
+    return 1;
+}
+
+static int make_parallel_beam(const struct mlrt_view *view, const struct corners *corners, struct mlrt_beam *beam)
+{
+    for (int k = 0; k < 3; ++k) {
+        const float d = view->direction[k];
+        struct range range = is_zero_component(view, k) ? (struct range){0, 0} : component_range(corners, k);
+        beam->negative[k] = d < 0;
+        beam->origin_lo[k] = mlrt_float_down(range.lo);
+        beam->origin_hi[k] = mlrt_float_up(range.hi);
+        if (!mlrt_is_float_safe(beam->origin_lo[k]) || !mlrt_is_float_safe(beam->origin_hi[k])) return 0;
+        set_region(beam, k, d, d, view->t_max);
+    }
+    set_slopes(view->direction, view->direction, beam);
+    beam->has_apex = 0;
+    return 1;
+}
+
+int mlrt_make_view_beam(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+                        struct mlrt_beam *beam)
+{
+    struct corners corners;
+    find_corners(view, x, y, width, height, &corners);
+    beam->may_cover = view->t_min == 0;
+    beam->is_unlimited = isinf(view->t_max);
+    return view->parallel ? make_parallel_beam(view, &corners, beam) : make_pinhole_beam(view, &corners, beam);
+}
+
+/* ---- arrays -------------------------------------------------------------------------------------------------- */
+
 /*
  * Widens [*lo, *hi] to hold coordinate k of the ray from its origin to t_max. The product is exact in double; `slack`
  * covers the roundings of the sums.
@@ -34,7 +193,7 @@ static void add_to_region(const struct mlrt_ray_segment *ray, int k, double *lo,
 }
 
 /* Of the rays of a tile so far. */
-struct bounds {
+struct tile_bounds {
     double region_lo[3];
     double region_hi[3];
     float direction_lo[3];
@@ -42,96 +201,66 @@ struct bounds {
     uint32_t ray_count;
 };
 
-static void add_ray(const struct mlrt_ray_segment *ray, struct bounds *bounds)
-{
-    for (int a = 0; a < 3; ++a) {
-        add_to_region(ray, a, &bounds->region_lo[a], &bounds->region_hi[a]);
-        if (ray->direction[a] < bounds->direction_lo[a]) bounds->direction_lo[a] = ray->direction[a];
-        if (ray->direction[a] > bounds->direction_hi[a]) bounds->direction_hi[a] = ray->direction[a];
-    }
-    ++bounds->ray_count;
-}
+static const struct tile_bounds NO_BOUNDS = {{INFINITY, INFINITY, INFINITY},
+                                             {-INFINITY, -INFINITY, -INFINITY},
+                                             {INFINITY, INFINITY, INFINITY},
+                                             {-INFINITY, -INFINITY, -INFINITY},
+                                             0};
 
 /*
- * Widens the beam to hold the ray's origin. Returns 0 if the ray is not float-safe (source.h), or its signs differ from
- * those of the tile's first ray.
+ * Adds a ray to the bounds and its origin to the beam. Returns 0 if the ray is not float-safe (source.h), or its signs
+ * differ from those of the tile's first ray.
  */
-static int fit_ray(const struct mlrt_ray_segment *ray, int first, struct mlrt_beam *beam)
+static int fit_ray(const struct mlrt_ray_segment *ray, struct tile_bounds *bounds, struct mlrt_beam *beam)
 {
+    const int is_first = bounds->ray_count++ == 0;
     if (!mlrt_is_safe_ray(ray)) return 0;
     for (int k = 0; k < 3; ++k) {
-        const float o = ray->origin[k];
-        const int negative = ray->direction[k] < 0;
-        if (first) {
+        const float o = ray->origin[k], d = ray->direction[k];
+        if (is_first) {
             beam->origin_lo[k] = beam->origin_hi[k] = o;
-            beam->negative[k] = negative;
-        } else {
-            if (negative != beam->negative[k]) return 0;
-            if (o < beam->origin_lo[k]) beam->origin_lo[k] = o;
-            if (o > beam->origin_hi[k]) beam->origin_hi[k] = o;
+            beam->negative[k] = d < 0;
         }
+        if ((d < 0) != beam->negative[k]) return 0;
+        if (o < beam->origin_lo[k]) beam->origin_lo[k] = o;
+        if (o > beam->origin_hi[k]) beam->origin_hi[k] = o;
+        if (d < bounds->direction_lo[k]) bounds->direction_lo[k] = d;
+        if (d > bounds->direction_hi[k]) bounds->direction_hi[k] = d;
+        add_to_region(ray, k, &bounds->region_lo[k], &bounds->region_hi[k]);
     }
     if (ray->t_min > 0) beam->may_cover = 0;
     return 1;
 }
 
-/* Bounds d_j / d_a for all directions within the bounds; d_a has the same sign in all of them. */
-static void set_slope_range(const struct bounds *bounds, int a, int j, struct mlrt_beam *beam)
+/* Makes the beam of the rays of arrays. Returns 0 if it has none. */
+static int make_array_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+                           struct mlrt_beam *beam)
 {
-    const double j_lo = bounds->direction_lo[j], j_hi = bounds->direction_hi[j];
-    const double p = 1.0 / bounds->direction_lo[a], q = 1.0 / bounds->direction_hi[a];
-    if (bounds->direction_lo[a] == 0 || bounds->direction_hi[a] == 0) {
-        mlrt_set_slope(beam, a, j, -INFINITY, INFINITY);
-        return;
-    }
-    mlrt_set_slope(beam, a, j, fmin(fmin(j_lo * p, j_lo * q), fmin(j_hi * p, j_hi * q)),
-                   fmax(fmax(j_lo * p, j_lo * q), fmax(j_hi * p, j_hi * q)));
-}
-
-static void finish_beam(const struct bounds *bounds, struct mlrt_beam *beam)
-{
-    float size[3];
-    beam->has_apex = 1;
-    beam->main_axis = 0;
-    for (int a = 0; a < 3; ++a) {
-        size[a] = fmaxf(-bounds->direction_lo[a], bounds->direction_hi[a]);
-        beam->has_apex &= beam->origin_lo[a] == beam->origin_hi[a];
-        beam->region.lo[a] = mlrt_float_down(bounds->region_lo[a]);
-        beam->region.hi[a] = mlrt_float_up(bounds->region_hi[a]);
-        if (size[a] > size[beam->main_axis]) beam->main_axis = a;
-        for (int j = 0; j < 3; ++j) {
-            if (j != a) set_slope_range(bounds, a, j, beam);
+    struct tile_bounds bounds = NO_BOUNDS;
+    beam->may_cover = source->arrays.skip.data == NULL;
+    beam->is_unlimited = 0;
+    for (uint32_t j = y; j < y + height; ++j) {
+        for (uint32_t i = x; i < x + width; ++i) {
+            struct mlrt_ray_segment ray;
+            if (mlrt_get_ray(source, i, j, &ray, NULL) && !fit_ray(&ray, &bounds, beam)) return 0;
         }
     }
+    if (bounds.ray_count == 0) return 0;
+    set_slopes(bounds.direction_lo, bounds.direction_hi, beam);
+    beam->has_apex = 1;
+    for (int k = 0; k < 3; ++k) {
+        beam->has_apex &= beam->origin_lo[k] == beam->origin_hi[k];
+        beam->region.lo[k] = mlrt_float_down(bounds.region_lo[k]);
+        beam->region.hi[k] = mlrt_float_up(bounds.region_hi[k]);
+    }
+    return 1;
 }
 
 int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                   struct mlrt_beam *beam)
 {
-    if (source->kind == MLRT_SOURCE_CAMERA) {
-        const int made = mlrt_make_view_beam(&source->view, x, y, width, height, beam);
-        beam->may_cover = beam->may_cover && !source->has_masks;
-        return made;
-    }
-
-    struct bounds bounds = {.ray_count = 0};
-    for (int a = 0; a < 3; ++a) {
-        bounds.region_lo[a] = INFINITY;
-        bounds.region_hi[a] = -INFINITY;
-        bounds.direction_lo[a] = INFINITY;
-        bounds.direction_hi[a] = -INFINITY;
-    }
-    beam->may_cover = source->arrays.skip.data == NULL && !source->has_masks;
-    beam->is_unlimited = 0;
-    for (uint32_t j = y; j < y + height; ++j) {
-        for (uint32_t i = x; i < x + width; ++i) {
-            struct mlrt_ray_segment ray;
-            if (!mlrt_get_ray(source, i, j, &ray, NULL)) continue;
-            if (!fit_ray(&ray, bounds.ray_count == 0, beam)) return 0;
-            add_ray(&ray, &bounds);
-        }
-    }
-    if (bounds.ray_count == 0) return 0;
-    finish_beam(&bounds, beam);
-    return 1;
+    const int made = source->kind == MLRT_SOURCE_CAMERA ? mlrt_make_view_beam(&source->view, x, y, width, height, beam)
+                                                        : make_array_beam(source, x, y, width, height, beam);
+    beam->may_cover = beam->may_cover && !source->has_masks;
+    return made;
 }

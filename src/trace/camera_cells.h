@@ -69,7 +69,7 @@ static void begin_cells(uint32_t there, struct mlrt_bundle *bundle)
  *
  * A ray's direction before rounding is affine in column and row, so that ratios of two components have their extremes
  * over a cell at its corners. Rounding moves component k of any ray by at most 3.001 u (|d00_k| + |x dx_k| + |y dy_k|)
- * (mlrta/view_beam.c); `pad` is 8 u of that sum, and 2^-100 for underflow. So a ratio exceeds the extreme of those
+ * (mlrta/beam.c); `pad` is 8 u of that sum, and 2^-100 for underflow. So a ratio exceeds the extreme of those
  * computed at the corners by at most 2 (p_j + |slope| p_main) / (|d_main| - 2 p_main), with p = 0.38 pad. That is less
  * than 2 (pad_j + |slope| pad_main) / |d_main|, which is used, since |d_main| is more than 4 pad_main. So |d_main| is
  * more than 2^-98, and reciprocals are finite: an infinite slope times 0 would be a NaN.
