@@ -21,7 +21,7 @@
 #include <string.h>
 
 #include "rays/camera.c"
-#include "mlrta/view_beam.c"
+#include "mlrta/beam.c"
 #include "mlrta/entry_point.c"
 #include "scene/clip.c"
 #include "mlrta/ray.c"
@@ -1267,10 +1267,9 @@ static int is_within(const struct exact_polygon *polygon, const struct bounds *b
 /* 1 if clipping with this share of the margins loses nothing of the two halves. */
 static int is_enough(const struct mlrt_triangle *triangle, const struct mlrt_box *box, float position, double share)
 {
-    struct bounds whole;
+    const struct mlrt_box whole = mlrt_box_of_triangle(triangle);
     double margin[3];
     struct polygon polygon[2];
-    bound_triangle(triangle, &whole);
     find_margins(&whole, margin);
     for (int k = 0; k < 3; ++k) margin[k] *= share;
     copy_triangle(triangle, &polygon[0]);

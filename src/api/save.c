@@ -383,13 +383,9 @@ static const char *check_report(struct mlrt_tree *tree)
     struct mlrt_box box = MLRT_NO_BOX;
     for (uint32_t i = 0; i < tree->triangle_count; ++i) {
         const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, i);
-        if (!mlrt_triangle_is_finite(&triangle)) {
-            ++non_finite_count;
-        } else if (!mlrt_triangle_has_area(&triangle)) {
-            ++zero_area_count;
-        } else {
-            for (int corner = 0; corner < 3; ++corner) mlrt_extend_box(triangle.v[corner], triangle.v[corner], &box);
-        }
+        if (!mlrt_keep_triangle(&triangle, &non_finite_count, &zero_area_count)) continue;
+        const struct mlrt_box own = mlrt_box_of_triangle(&triangle);
+        mlrt_extend_box(own.lo, own.hi, &box);
     }
     const int is_empty = non_finite_count + zero_area_count == tree->triangle_count;
     if (is_empty) memset(&box, 0, sizeof box);

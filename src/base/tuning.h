@@ -3,9 +3,8 @@
  * The thresholds of the decisions that the default method takes while it traces, and those of the builder. They are
  * macros that the compiler's command line can set, so that a sweep (examples/bench/sweep.py) can compare other values.
  *
- * Figures are the speed with another value over that with the value here. Those of today's sweep are tables of
- * docs/performance.md, "What tiles decide by themselves". "Sweep" below is an older one, from before bundles: the least
- * and the greatest of six scenes (AVX2, one thread), where the values as they are, once more, gave 0.99 to 1.07.
+ * Tables of the sweep are in docs/performance.md, "What tiles decide by themselves". Figures here are the speed with
+ * another value over that with the value here.
  *
  * A cell of a camera (a packet of a tile of 16x16, or a tile of a square of 64x64) is closed while its rays are not
  * made, and open once they are.
@@ -18,8 +17,7 @@
 /*
  * After an area whose cells all had to be opened, most cells of the next areas must be opened, too. So the next
  * TILE_RUN tiles begin with open cells, and the next SQUARE_RUN squares are traced tile by tile. 0: every area begins
- * with closed cells. Sweep, both 1: primary 0.94 to 1.01, shadows 0.98 to 1.01. Both 8: 0.93 to 1.00, 0.98 to 1.00.
- * TILE_RUN 0: 0.92 to 1.05, 1.00 to 1.04. SQUARE_RUN 0: 0.97 to 1.04, 0.92 to 1.01.
+ * with closed cells. FIRST_OPEN_TILES and _SQUARES are how many of the first of a worker are treated so; 0xFFFFFFFF: all.
  */
 #ifndef MLRT_TILE_RUN
 #define MLRT_TILE_RUN 3
@@ -27,11 +25,6 @@
 #ifndef MLRT_SQUARE_RUN
 #define MLRT_SQUARE_RUN 3
 #endif
-
-/*
- * How many of the first tiles, and of the first squares, of a worker are treated so. 0xFFFFFFFF: all. Sweep, all tiles:
- * primary 0.88 to 1.04, shadows 0.95 to 1.03. All squares: 0.67 to 0.95, 0.73 to 1.04.
- */
 #ifndef MLRT_FIRST_OPEN_TILES
 #define MLRT_FIRST_OPEN_TILES 0
 #endif
@@ -60,9 +53,7 @@
  * that meet it are traced one by one from there (trace_few_of_bundle, trace/tile.h): at most FEW_RAYS rays through a
  * node, at most FEW_LEAF_RAYS through a leaf that is not set up. MANY_PACKETS of 17: never.
  *
- * Instructions with AVX2 (docs/tried.md, "Bundles"): 24 rays take 3 % more in dragon_x9, no rays of
- * leaves 12 %, 2 packets 13 %; 16 packets take 9 to 10 % more in dragon and conference. Sweep, FEW_RAYS 16 or 64:
- * 0.97 to 1.04. Only scenes of small triangles, such as cruiser, need these rules.
+ * Only scenes of small triangles, such as cruiser, need these rules; docs/tried.md, "Bundles", has other values.
  */
 #ifndef MLRT_MANY_PACKETS
 #define MLRT_MANY_PACKETS 8
@@ -79,9 +70,8 @@
 #endif
 
 /*
- * A packet that has been tested in vain against more triangles than this goes on lane by lane. With 40 or 160, rays of
- * arrays have 0.87 to 1.02 of the speed (conference, dragon, cruiser). With no limit, reflections of small triangles
- * have a quarter of the speed.
+ * A packet that has been tested in vain against more triangles than this goes on lane by lane. With no limit,
+ * reflections of small triangles have a quarter of the speed.
  */
 #ifndef MLRT_MOST_TESTS
 #define MLRT_MOST_TESTS 96
@@ -89,8 +79,7 @@
 
 /*
  * A tile with more than MOST_GIVEN_UP such packets goes lane by lane as a whole, and so do the next LANE_TILES tiles:
- * 1.3 times the speed for rays through a lens in conference. With 4 and 3, rays through a lens have 0.95 to 0.97 of the
- * speed in six scenes, reflections 0.94 (dragon) to 1.04 (cruiser), other kinds 0.97 to 1.04.
+ * 1.3 times the speed for rays through a lens in conference.
  */
 #ifndef MLRT_MOST_GIVEN_UP
 #define MLRT_MOST_GIVEN_UP 2
@@ -100,12 +89,8 @@
 #endif
 
 /*
- * A worker keeps 1 << LEAF_SETUP_BITS set-ups of leaves, of 2 KiB each. With 32 set-ups, pictures and shadows take up
- * to 3 % more instructions. Sweep, 32: 0.94 to 1.00. 512: 0.97 to 1.02.
- *
- * In calls of fewer than MANY_RAYS rays a worker keeps 1 << FEW_SETUP_BITS, because memory is slow when it is first
- * used: with 128, calls of up to 256 rays took up to ten times as long where the allocator returns freed memory to the
- * system.
+ * A worker keeps 1 << LEAF_SETUP_BITS set-ups of leaves, of 2 KiB each. In calls of fewer than MANY_RAYS rays it keeps
+ * 1 << FEW_SETUP_BITS, because memory is slow when it is first used (docs/tried.md, "Bundles").
  */
 #ifndef MLRT_LEAF_SETUP_BITS
 #define MLRT_LEAF_SETUP_BITS 7

@@ -135,8 +135,8 @@ struct chunk {
     struct mlrt_bvh_set set;
     struct mlrt_box bounds; /* of the references, not in units */
     uint32_t count;
-    uint32_t non_finite_count;
-    uint32_t zero_area_count;
+    uint64_t non_finite_count;
+    uint64_t zero_area_count;
 };
 
 /* What follows from the options and the number of triangles. */
@@ -241,16 +241,13 @@ static void scale_reference(float unit, struct mlrt_quad_box *reference)
     }
 }
 
-/* Sets a reference to a whole triangle. + 0 turns -0 into 0. */
+/* Sets a reference to a whole triangle. */
 static void set_reference(struct mlrt_quad_box *reference, const struct mlrt_triangle *triangle, uint32_t number)
 {
-    uint32_t bits = number | MLRT_REFERENCE_MARK;
-    for (int k = 0; k < 3; k++) {
-        float a = triangle->v[0][k], b = triangle->v[1][k], c = triangle->v[2][k];
-        float lo = a < b ? a : b, hi = a < b ? b : a;
-        reference->lo[k] = (c < lo ? c : lo) + 0.0f;
-        reference->hi[k] = (c > hi ? c : hi) + 0.0f;
-    }
+    const uint32_t bits = number | MLRT_REFERENCE_MARK;
+    const struct mlrt_box box = mlrt_box_of_triangle(triangle);
+    memcpy(reference->lo, box.lo, sizeof box.lo);
+    memcpy(reference->hi, box.hi, sizeof box.hi);
     memcpy(&reference->lo[3], &bits, sizeof bits);
     reference->hi[3] = 0;
 }
@@ -265,11 +262,7 @@ static double make_chunk_references(struct build *build, uint32_t number, uint32
     *chunk = (struct chunk){.bounds = MLRT_NO_BOX};
     for (uint32_t i = first; i < last; i++) {
         const struct mlrt_triangle *triangle = &build->tree->triangles[i];
-        if (!mlrt_triangle_is_finite(triangle))
-            chunk->non_finite_count++;
-        else if (!mlrt_triangle_has_area(triangle))
-            chunk->zero_area_count++;
-        else
+        if (mlrt_keep_triangle(triangle, &chunk->non_finite_count, &chunk->zero_area_count))
             set_reference(&build->references.boxes[first + chunk->count++], triangle, i);
     }
     for (uint32_t i = 0; i < chunk->count; i++) {

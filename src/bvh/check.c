@@ -33,22 +33,18 @@ static uint32_t leaf_count(const struct mlrt_bvh *bvh, uint32_t child)
     return count;
 }
 
-/* Half the surface area of a box in units. A bound beyond MLRT_BVH_FAR counts as 2 * MLRT_BVH_FAR. */
-static double half_area(const float lo[3], const float hi[3])
+/*
+ * Half the surface area of a box in units, whose bounds along the axes are `row` floats apart. A bound beyond
+ * MLRT_BVH_FAR counts as 2 * MLRT_BVH_FAR.
+ */
+static double half_area(const float *lo, const float *hi, int row)
 {
     struct mlrt_quad_box box;
     for (int k = 0; k < 3; k++) {
-        box.lo[k] = lo[k] < -MLRT_BVH_FAR ? -2 * MLRT_BVH_FAR : lo[k];
-        box.hi[k] = hi[k] > MLRT_BVH_FAR ? 2 * MLRT_BVH_FAR : hi[k];
+        box.lo[k] = lo[k * row] < -MLRT_BVH_FAR ? -2 * MLRT_BVH_FAR : lo[k * row];
+        box.hi[k] = hi[k * row] > MLRT_BVH_FAR ? 2 * MLRT_BVH_FAR : hi[k * row];
     }
     return area_of(&box);
-}
-
-static double slot_area(const struct mlrt_bvh_node *node, int slot)
-{
-    const float lo[3] = {node->lo[0][slot], node->lo[1][slot], node->lo[2][slot]};
-    const float hi[3] = {node->hi[0][slot], node->hi[1][slot], node->hi[2][slot]};
-    return half_area(lo, hi);
 }
 
 /* The fewest nodes that are worth another part. */
@@ -70,13 +66,14 @@ static void measure_node(const struct mlrt_bvh *bvh, const struct mlrt_bvh_node 
                          const struct mlrt_bvh_costs *costs, struct mlrt_bvh_part *part)
 {
     for (int i = 0; i < MLRT_BVH_WIDTH && node->child[i] != 0; i++) {
+        const double area = half_area(&node->lo[0][i], &node->hi[0][i], MLRT_BVH_WIDTH);
         if (is_leaf(node->child[i])) {
             const uint32_t count = leaf_count(bvh, node->child[i]);
-            part->cost += slot_area(node, i) * mlrt_bvh_leaf_cost(costs, count);
+            part->cost += area * mlrt_bvh_leaf_cost(costs, count);
             part->leaf_count++;
             part->reference_count += count;
         } else {
-            part->cost += slot_area(node, i) * costs->node;
+            part->cost += area * costs->node;
         }
     }
 }
@@ -108,7 +105,7 @@ void mlrt_join_parts(const struct mlrt_bvh_part *parts, const struct mlrt_bvh_co
 {
     mlrt_tree_info *info = &tree->info;
     struct mlrt_hash hash;
-    double cost = 0, area = half_area(tree->bvh.whole.lo, tree->bvh.whole.hi);
+    double cost = 0, area = half_area(tree->bvh.whole.lo, tree->bvh.whole.hi, 1);
     info->leaf_count = info->reference_count = 0;
     mlrt_start_hash(&hash);
     for (uint32_t i = 0; i < mlrt_count_parts(&tree->bvh); i++) {

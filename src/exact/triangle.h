@@ -97,6 +97,19 @@ static inline void mlrt_extend_box(const float lo[3], const float hi[3], struct 
     }
 }
 
+/* The box of a triangle. Adding 0 turns -0 into 0. */
+static inline struct mlrt_box mlrt_box_of_triangle(const struct mlrt_triangle *triangle)
+{
+    struct mlrt_box box;
+    for (int k = 0; k < 3; ++k) {
+        const float a = triangle->v[0][k], b = triangle->v[1][k], c = triangle->v[2][k];
+        const float lo = a < b ? a : b, hi = a < b ? b : a;
+        box.lo[k] = (c < lo ? c : lo) + 0.0f;
+        box.hi[k] = (c > hi ? c : hi) + 0.0f;
+    }
+    return box;
+}
+
 /* Magnitudes with which float arithmetic in traversal neither overflows nor underflows: these, and 0. */
 #define MLRT_SAFE_MIN 0x1p-60f
 #define MLRT_SAFE_MAX 0x1p60f

@@ -654,34 +654,14 @@ static int join_parts(struct part *whole, struct part *part)
     return close_cell(whole, &part->cell, &lower->cell, &upper->cell, costs, offset, &part->built.cost);
 }
 
-/* Adding 0 turns -0 into 0. */
-static struct mlrt_box triangle_bounds(const struct mlrt_triangle *triangle)
-{
-    struct mlrt_box box;
-    for (int k = 0; k < 3; k++) {
-        float a = triangle->v[0][k], b = triangle->v[1][k], c = triangle->v[2][k];
-        float lo = a < b ? a : b, hi = a < b ? b : a;
-        box.lo[k] = (c < lo ? c : lo) + 0.0f;
-        box.hi[k] = (c > hi ? c : hi) + 0.0f;
-    }
-    return box;
-}
-
 /* Makes a reference for each triangle that can be hit and returns their number. Counts the other triangles. */
 static size_t make_references(struct part *root, struct mlrt_tree *tree)
 {
     size_t count = 0;
     for (uint32_t i = 0; i < tree->triangle_count && !mlrt_is_cancelled_in_round(root->build->progress, i + 1); i++) {
-        const struct mlrt_triangle *triangle = &tree->triangles[i];
-        if (!mlrt_triangle_is_finite(triangle)) {
-            tree->info.non_finite_count++;
-        } else if (!mlrt_triangle_has_area(triangle)) {
-            tree->info.zero_area_count++;
-        } else {
-            reference_at(root, count)->triangle = i;
-            reference_at(root, count)->box = triangle_bounds(triangle);
-            count++;
-        }
+        if (!mlrt_keep_triangle(&tree->triangles[i], &tree->info.non_finite_count, &tree->info.zero_area_count))
+            continue;
+        *reference_at(root, count++) = (struct mlrt_reference){i, mlrt_box_of_triangle(&tree->triangles[i])};
     }
     return count;
 }

@@ -10,6 +10,7 @@
 
 #include "base/progress.h"
 #include "exact/predicate.h"
+#include "mlrta/split.h"
 
 /* A node to visit, with its cell. */
 struct visit {
@@ -70,13 +71,6 @@ static uint64_t hash_tree(const struct mlrt_tree *tree, struct mlrt_progress *pr
     return hash;
 }
 
-static double half_area(const struct mlrt_box *box)
-{
-    double x = (double)box->hi[0] - box->lo[0], y = (double)box->hi[1] - box->lo[1],
-           z = (double)box->hi[2] - box->lo[2];
-    return x * y + y * z + z * x;
-}
-
 void mlrt_find_float_safety(struct mlrt_tree *tree)
 {
     int is_safe = 1;
@@ -93,7 +87,7 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
                        struct mlrt_progress *progress)
 {
     mlrt_tree_info *info = &tree->info;
-    double area = half_area(&tree->bounds), cost = 0;
+    double area = mlrt_half_area(&tree->bounds), cost = 0;
     struct walk walk;
     info->depth = 0;
     info->node_count = tree->kdtree.node_count;
@@ -105,7 +99,7 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
         struct visit visit = walk.waiting[--walk.count];
         const struct mlrt_node *node = &tree->kdtree.nodes[visit.node];
         if (mlrt_is_cancelled_in_round(progress, visit.node + 1)) return;
-        double part = area > 0 ? half_area(&visit.cell) / area : 1;
+        double part = area > 0 ? mlrt_half_area(&visit.cell) / area : 1;
         info->depth = visit.depth > info->depth ? visit.depth : info->depth;
         if (mlrt_node_is_leaf(node)) {
             info->leaf_count++;

@@ -107,19 +107,9 @@ static void cut_polygon(const struct polygon *polygon, const struct plane *plane
     }
 }
 
-static void bound_triangle(const struct mlrt_triangle *triangle, struct bounds *bounds)
+static void find_margins(const struct mlrt_box *whole, double margin[3])
 {
-    for (int k = 0; k < 3; k++) {
-        double a = triangle->v[0][k], b = triangle->v[1][k], c = triangle->v[2][k];
-        double lo = a < b ? a : b, hi = a < b ? b : a;
-        bounds->lo[k] = c < lo ? c : lo;
-        bounds->hi[k] = c > hi ? c : hi;
-    }
-}
-
-static void find_margins(const struct bounds *bounds, double margin[3])
-{
-    for (int k = 0; k < 3; k++) margin[k] = MARGIN * (-bounds->lo[k] > bounds->hi[k] ? -bounds->lo[k] : bounds->hi[k]);
+    for (int k = 0; k < 3; k++) margin[k] = MARGIN * (-whole->lo[k] > whole->hi[k] ? -whole->lo[k] : whole->hi[k]);
 }
 
 static void copy_triangle(const struct mlrt_triangle *triangle, struct polygon *polygon)
@@ -133,7 +123,7 @@ static void copy_triangle(const struct mlrt_triangle *triangle, struct polygon *
  * Cuts polygon[0] by those planes of the box that the triangle reaches beyond. polygon[1] is used in turn; returns the
  * index of the result.
  */
-static int cut_by_box(const struct bounds *whole, const double margin[3], const struct mlrt_box *box,
+static int cut_by_box(const struct mlrt_box *whole, const double margin[3], const struct mlrt_box *box,
                       struct polygon polygon[2])
 {
     int current = 0;
@@ -199,10 +189,9 @@ static int intersect_bounds(const struct bounds *bounds, float tiny, struct mlrt
 void mlrt_clip_halves(const struct mlrt_triangle *triangle, const struct mlrt_box *box, uint32_t axis, float position,
                       float tiny, struct mlrt_halves *halves)
 {
-    struct bounds whole;
+    const struct mlrt_box whole = mlrt_box_of_triangle(triangle);
     double margin[3];
     struct polygon polygon[2];
-    bound_triangle(triangle, &whole);
     find_margins(&whole, margin);
     copy_triangle(triangle, &polygon[0]);
     int current = cut_by_box(&whole, margin, box, polygon);
@@ -222,10 +211,9 @@ void mlrt_clip_halves(const struct mlrt_triangle *triangle, const struct mlrt_bo
 
 double mlrt_clipped_area(const struct mlrt_triangle *triangle, const struct mlrt_box *box, uint32_t axis)
 {
-    struct bounds whole;
     static const double no_margin[3];
+    const struct mlrt_box whole = mlrt_box_of_triangle(triangle);
     struct polygon polygon[2];
-    bound_triangle(triangle, &whole);
     copy_triangle(triangle, &polygon[0]);
     const struct polygon *part = &polygon[cut_by_box(&whole, no_margin, box, polygon)];
     uint32_t x = (axis + 1) % 3, y = (axis + 2) % 3;

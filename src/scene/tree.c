@@ -18,9 +18,18 @@ uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
     return below;
 }
 
+int mlrt_keep_triangle(const struct mlrt_triangle *triangle, uint64_t *non_finite_count, uint64_t *zero_area_count)
+{
+    const int is_finite = mlrt_triangle_is_finite(triangle);
+    if (is_finite && mlrt_triangle_has_area(triangle)) return 1;
+    ++*(is_finite ? zero_area_count : non_finite_count);
+    return 0;
+}
+
 int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number)
 {
+    uint64_t counts[2] = {0, 0};
     if (tree->info.non_finite_count + tree->info.zero_area_count == 0) return 0;
     const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
-    return !mlrt_triangle_is_finite(&triangle) || !mlrt_triangle_has_area(&triangle);
+    return !mlrt_keep_triangle(&triangle, &counts[0], &counts[1]);
 }

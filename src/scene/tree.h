@@ -80,6 +80,9 @@ static inline void mlrt_read_in_order(struct mlrt_tree *tree)
 /* Returns the position of the mesh that triangle `number` belongs to. */
 uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number);
 
+/* 1 if rays can hit a triangle. If not, it is left out: counts why. */
+int mlrt_keep_triangle(const struct mlrt_triangle *triangle, uint64_t *non_finite_count, uint64_t *zero_area_count);
+
 /* 1 if the triangle is left out: no leaf may hold it. tree->info must have the counts of triangles left out. */
 int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number);
 

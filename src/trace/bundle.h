@@ -150,15 +150,15 @@ struct mlrt_bundle_scene {
 
 /* Where the packets of a bundle stand. The masks have a bit for each packet. */
 struct mlrt_bundle_state {
-    uint32_t going;           /* traced as part of the bundle */
-    uint32_t apexes;          /* all rays start at the waist */
-    uint32_t closed;          /* only their cover is known, and no ray of theirs has been tested (cover.h) */
-    uint32_t covered;         /* done, where any hit will do: one triangle hides all rays */
-    uint32_t nearer;          /* rays have new hits, from which `last` of the hull has not been updated */
-    uint32_t given_up;        /* taken out of the bundle after too many tests in vain */
-    uint32_t set_aside;       /* to be traced lane by lane after the bundle */
-    uint32_t made;            /* tile->rays have the numbers of their rays */
-    uint32_t has_reciprocals; /* tile->reciprocals are set */
+    uint32_t going;                      /* traced as part of the bundle */
+    uint32_t apexes;                     /* all rays start at the waist */
+    uint32_t closed;                     /* only their cover is known, and no ray of theirs has been tested (cover.h) */
+    uint32_t covered;                    /* done, where any hit will do: one triangle hides all rays */
+    uint32_t nearer;                     /* rays have new hits, from which `last` of the hull has not been updated */
+    uint32_t given_up;                   /* taken out of the bundle after too many tests in vain */
+    uint32_t set_aside;                  /* to be traced lane by lane after the bundle */
+    uint32_t made;                       /* tile->rays have the numbers of their rays */
+    uint32_t has_reciprocals;            /* tile->reciprocals are set */
     uint32_t tests[MLRT_BUNDLE_PACKETS]; /* of triangles that no ray could hit */
 };
 
@@ -177,7 +177,7 @@ struct mlrt_bundle {
     struct mlrt_hulls hulls;
     struct mlrt_bundle_state state;
     struct mlrt_bundle_cache *cache;
-    struct mlrt_ray_tile *tile; /* which has the packets; NULL: they stand for tiles */
+    struct mlrt_ray_tile *tile;      /* which has the packets; NULL: they stand for tiles */
     struct mlrt_array_cells *arrays; /* of cells without rays: where to read them (cells.h); NULL: from nowhere */
 };
 
