@@ -292,9 +292,7 @@ MLRT_API int32_t mlrt_save_tree(const mlrt_tree *tree, void *buffer, size_t capa
         return mlrt_fail(MLRT_ERROR_ARGUMENT, "capacity: %s is less than the %s bytes of the tree",
                          mlrt_write_digits(capacity, given), file_size);
     }
-    const uint64_t environment = mlrt_enter_fp_environment();
-    write_file(tree, &header, buffer);
-    mlrt_leave_fp_environment(environment);
+    MLRT_COMPUTE(write_file(tree, &header, buffer));
     return MLRT_OK;
 }
 
@@ -478,9 +476,7 @@ MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_o
         status = mlrt_begin_call(MLRT_STRUCT_LOAD_OPTIONS, &own, own.message, own.message_size, own.host, &voice);
     if (status == MLRT_OK) {
         const char *wrong = NULL;
-        const uint64_t environment = mlrt_enter_fp_environment();
-        status = load(data, size, &own, &voice.host, tree, &wrong);
-        mlrt_leave_fp_environment(environment);
+        MLRT_COMPUTE(status = load(data, size, &own, &voice.host, tree, &wrong));
         status = status == MLRT_ERROR_DATA ? mlrt_fail(status, "data: %s", wrong) : mlrt_note_status(status);
     }
     return mlrt_end_call(&voice, status);

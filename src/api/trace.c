@@ -209,9 +209,7 @@ static MLRT_NOINLINE int32_t trace_any_ray(const mlrt_tree *tree, const mlrt_ray
         is_plain &= lone.kernels != NULL;
     }
     if (!is_plain) return trace_as_call(tree, options, &lone, hit);
-    const uint64_t environment = mlrt_enter_fp_environment();
-    mlrt_trace_lone_ray(tree, &lone, hit);
-    mlrt_leave_fp_environment(environment);
+    MLRT_COMPUTE(mlrt_trace_lone_ray(tree, &lone, hit));
     return MLRT_OK;
 }
 
@@ -365,9 +363,7 @@ MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *cam
     }
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
     struct mlrt_job job, light_jobs[MLRT_LIGHT_LIMIT];
-    const uint64_t environment = mlrt_enter_fp_environment();
-    status = make_render_job(tree, &own_camera, &call, &own_frame, &job, light_jobs);
-    mlrt_leave_fp_environment(environment);
+    MLRT_COMPUTE(status = make_render_job(tree, &own_camera, &call, &own_frame, &job, light_jobs));
     job.callback.function = callback;
     job.callback.user = user;
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
@@ -410,9 +406,7 @@ MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *o
     if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_VECTORS, "origins", 0, vectors[0]);
     if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_VECTORS, "directions", 0, vectors[1]);
     if (status != MLRT_OK) return status;
-    const uint64_t environment = mlrt_enter_fp_environment();
-    status = write_camera_rays(&own, vectors[0], vectors[1]);
-    mlrt_leave_fp_environment(environment);
+    MLRT_COMPUTE(status = write_camera_rays(&own, vectors[0], vectors[1]));
     return status;
 }
 
@@ -495,9 +489,7 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
                        .flags = MLRT_RAY_SKIP,
                        .skip_mesh = own_hit.mesh,
                        .skip_triangle = own_hit.triangle};
-    const uint64_t environment = mlrt_enter_fp_environment();
-    status = set_shadow_ray(tree, &own_ray, number, &own_light, &answer, faces);
-    mlrt_leave_fp_environment(environment);
+    MLRT_COMPUTE(status = set_shadow_ray(tree, &own_ray, number, &own_light, &answer, faces));
     if (status != MLRT_OK) return status;
     mlrt_give_struct(&answer, sizeof answer, shadow);
     return MLRT_OK;

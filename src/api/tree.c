@@ -126,9 +126,7 @@ static int32_t build(const mlrt_mesh *meshes, size_t mesh_count, const void *opt
     struct call call;
     int32_t status = take_options(options, structure, &call);
     if (status == MLRT_OK) {
-        const uint64_t environment = mlrt_enter_fp_environment();
-        status = build_tree(meshes, mesh_count, &call, tree);
-        mlrt_leave_fp_environment(environment);
+        MLRT_COMPUTE(status = build_tree(meshes, mesh_count, &call, tree));
     }
     return mlrt_end_call(&call.voice, status);
 }
@@ -189,9 +187,7 @@ static int32_t estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const
     if (status == MLRT_OK) status = mlrt_check_meshes(meshes, mesh_count, &triangle_count);
     if (status != MLRT_OK) return mlrt_end_call(&call.voice, status);
     memset(&own, 0, sizeof own);
-    const uint64_t environment = mlrt_enter_fp_environment();
-    foresee(&call, triangle_count, mlrt_have_masks(meshes, mesh_count), mesh_count, &own);
-    mlrt_leave_fp_environment(environment);
+    MLRT_COMPUTE(foresee(&call, triangle_count, mlrt_have_masks(meshes, mesh_count), mesh_count, &own));
     mlrt_give_struct(&own, sizeof own, estimate);
     return MLRT_OK;
 }

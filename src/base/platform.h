@@ -139,9 +139,16 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 /*
  * The library computes with round to nearest, denormals kept, and exceptions masked. mlrt_enter_fp_environment sets
  * that and returns the caller's environment; mlrt_leave_fp_environment restores it. Every exported function that
- * computes with floats, and every thread's work, runs between the two. The code between them must be a call of a
- * function that is not inlined, so that the compiler moves no arithmetic across them.
+ * computes with floats, and every thread's work, runs between the two: mostly as MLRT_COMPUTE, which is given a
+ * statement. This must be a call of a function that is not inlined, so that the compiler moves no arithmetic out of it.
  */
+#define MLRT_COMPUTE(statement)                                                                                        \
+    do {                                                                                                               \
+        const uint64_t callers_environment = mlrt_enter_fp_environment();                                              \
+        statement;                                                                                                     \
+        mlrt_leave_fp_environment(callers_environment);                                                                \
+    } while (0)
+
 #if MLRT_HAVE_SSE
 #include <xmmintrin.h>
 #define MLRT_WANTED_CONTROL 0x1F80u /* round to nearest, all exceptions masked; no flush to zero */

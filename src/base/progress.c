@@ -51,9 +51,8 @@ int mlrt_advance(struct mlrt_progress *progress, double work)
     double fraction;
     if (!progress || !progress->callback) return 0;
     pthread_mutex_lock(&progress->mutex);
-    const uint64_t environment = mlrt_enter_fp_environment();
-    const int tells = is_time_to_tell(progress, work, &fraction);
-    mlrt_leave_fp_environment(environment);
+    int tells;
+    MLRT_COMPUTE(tells = is_time_to_tell(progress, work, &fraction));
     if (tells) {
         pthread_mutex_unlock(&progress->mutex);
         const int32_t answer = progress->callback(progress->user, fraction);

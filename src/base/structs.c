@@ -219,9 +219,7 @@ static MLRT_NOINLINE void write_float(const uint32_t *bits, char *text, size_t s
 static int32_t fail_float(const struct place *place, const struct mlrt_field *field, const uint32_t *bits)
 {
     char text[24] = "NaN";
-    const uint64_t environment = mlrt_enter_fp_environment();
-    if ((*bits & ~SIGN_BIT) <= INFINITY_BITS) write_float(bits, text, sizeof text);
-    mlrt_leave_fp_environment(environment);
+    if ((*bits & ~SIGN_BIT) <= INFINITY_BITS) MLRT_COMPUTE(write_float(bits, text, sizeof text));
     return mlrt_fail_at(place->status, place->path, place->index, place->field, "%s is not %s", text,
                         field->kind == MLRT_FIELD_COST     ? "from 0 to 1e6"
                         : field->kind == MLRT_FIELD_FINITE ? "finite"

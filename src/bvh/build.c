@@ -202,9 +202,8 @@ struct step {
 static int32_t run_item(void *work, uint32_t item, uint32_t worker)
 {
     const struct step *step = work;
-    const uint64_t environment = mlrt_enter_fp_environment();
-    const double done = step->run(step->build, item, worker);
-    mlrt_leave_fp_environment(environment);
+    double done;
+    MLRT_COMPUTE(done = step->run(step->build, item, worker));
     return mlrt_advance(step->build->progress, done);
 }
 

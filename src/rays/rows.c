@@ -75,8 +75,7 @@ static MLRT_NOINLINE uint32_t find_row_length(const struct mlrt_source *rays)
 uint32_t mlrt_find_row_length(const struct mlrt_source *rays)
 {
     if (rays->count < FEWEST_ROWS * SHORTEST_ROW || rays->arrays.rays_per_origin > 1) return 0;
-    const uint64_t environment = mlrt_enter_fp_environment();
-    const uint32_t length = find_row_length(rays);
-    mlrt_leave_fp_environment(environment);
+    uint32_t length;
+    MLRT_COMPUTE(length = find_row_length(rays));
     return length;
 }

@@ -104,9 +104,8 @@ static int32_t run_item(void *work, uint32_t item, uint32_t number)
 {
     struct run *run = work;
     const uint32_t begin = item * ITEM_RAYS, left = run->source->count - begin;
-    const uint64_t environment = mlrt_enter_fp_environment();
-    const int done = trace_rays(run, &run->workers[number], begin, begin + (left < ITEM_RAYS ? left : ITEM_RAYS));
-    mlrt_leave_fp_environment(environment);
+    int done;
+    MLRT_COMPUTE(done = trace_rays(run, &run->workers[number], begin, begin + (left < ITEM_RAYS ? left : ITEM_RAYS)));
     if (!done) return MLRT_ERROR_OUT_OF_MEMORY;
     return mlrt_advance(&run->progress, 1) ? MLRT_ERROR_CANCELLED : MLRT_OK;
 }

@@ -183,9 +183,8 @@ static int trace_without_worker(const struct mlrt_job *job, const struct mlrt_ru
     if (!mlrt_is_block(job) || !job->source.count || job->method != MLRT_METHOD_TILE || options->counters ||
         options->host.progress)
         return 0;
-    const uint64_t environment = mlrt_enter_fp_environment();
-    const int is_done = mlrt_trace_few_rays(job);
-    mlrt_leave_fp_environment(environment);
+    int is_done;
+    MLRT_COMPUTE(is_done = mlrt_trace_few_rays(job));
     return is_done;
 }
 
