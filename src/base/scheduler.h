@@ -22,6 +22,17 @@ void mlrt_end_pool(mlrt_pool *pool);
 /* Runs one item. If the result is not 0, no further items start. */
 typedef int32_t mlrt_work_function(void *work, uint32_t item, uint32_t worker);
 
+/* How many items of up to `size` elements `count` elements make, and how many elements item `item` of them has. */
+static inline uint32_t mlrt_item_count(uint32_t count, uint32_t size)
+{
+    return count / size + (count % size != 0);
+}
+
+static inline uint32_t mlrt_item_size(uint32_t count, uint32_t size, uint32_t item)
+{
+    return count - item * size < size ? count - item * size : size;
+}
+
 /* The number of workers of a pool; 1 for NULL. */
 uint32_t mlrt_worker_count(const mlrt_pool *pool);
 

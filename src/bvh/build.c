@@ -63,21 +63,10 @@ static const struct preset PRESETS[] = {
 };
 
 /*
- * A leaf costs about as much as a node, however many triangles it has, since both are tested sixteen wide. Measured:
- * nodes + leaves that a packet of 4x4 visits on its own (geometric mean of seven scenes), and triangles per leaf:
- *
- *     leaf, quad, triangle     sum     per leaf
- *     1.0   0     0.02         6.08    8.8 to 10.6
- *     1.0   0     0.03         6.10    8.1 to 9.2
- *     0.7   0     0.02         6.11    8.9 to 10.6
- *     1.5   0     0.02         6.12    8.4 to 10.2
- *     1.0   0.1   0.03         6.26    6.2 to 8.0
- *     0.5   0.05  0.03         6.25    6.9 to 8.5
- *     0.3   0.2   0.03         6.42    5.2 to 6.6
- *     0.8   0     0.08         6.35    5.1 to 7.0
- *
- * So smaller leaves, and a cost of each quad, save at most a third of the quads, but no visits. docs/performance.md,
- * "How large leaves are", has the speed with other costs.
+ * A leaf costs about as much as a node, however many triangles it has, since both are tested sixteen wide. A packet of
+ * 4x4 on its own visits 6.08 nodes and leaves (geometric mean of seven scenes). With leaf costs of 0.7 and 1.5 it visits
+ * 6.11 and 6.12; with smaller leaves, by a cost of each quad or 0.08 for each triangle, 6.25 to 6.42.
+ * docs/performance.md, "How large leaves are", has the speed with other costs.
  */
 static const struct mlrt_bvh_costs COSTS = {1.0f, 1.0f, MLRT_TRIANGLE_COST};
 
@@ -255,8 +244,8 @@ static void set_reference(struct mlrt_quad_box *reference, const struct mlrt_tri
 static double make_chunk_references(struct build *build, uint32_t number, uint32_t worker)
 {
     struct chunk *chunk = &build->work.chunks[number];
-    uint32_t first = number * CHUNK_SIZE, left = build->tree->triangle_count - first;
-    uint32_t last = first + (left < CHUNK_SIZE ? left : CHUNK_SIZE);
+    const uint32_t first = number * CHUNK_SIZE;
+    const uint32_t last = first + mlrt_item_size(build->tree->triangle_count, CHUNK_SIZE, number);
     (void)worker;
     *chunk = (struct chunk){.bounds = MLRT_NO_BOX};
     for (uint32_t i = first; i < last; i++) {
@@ -344,33 +333,24 @@ static int may_split(const struct build *build, const struct portion *portion, u
 static void share_out(const struct build *build, const struct portion *portion, const struct mlrt_bvh_set sets[2],
                       struct portion sides[2])
 {
-    uint64_t count = (uint64_t)sets[0].count + sets[1].count;
-    uint32_t rest = portion->budget - reserve(sets[0].count) - reserve(sets[1].count);
-    uint32_t lower_budget = reserve(sets[0].count) + scale(rest, sets[0].count, count);
-    int is_last = portion->set.count <= build->preset->spatial_size;
-    uint32_t spare = is_last ? 0 : (uint32_t)(portion->set.count + portion->spare - count);
-    uint32_t lower_spare = scale(spare, sets[0].count, count);
-    sides[0] = (struct portion){sets[0],      lower_spare,          portion->node + 1, portion->depth + 1,
-                                lower_budget, portion->failed_count};
-    sides[1] = (struct portion){sets[1],
-                                spare - lower_spare,
-                                portion->node + 2 * lower_budget,
-                                portion->depth + 1,
-                                portion->budget - lower_budget,
-                                portion->failed_count};
+    const uint64_t count = (uint64_t)sets[0].count + sets[1].count;
+    const uint32_t rest = portion->budget - reserve(sets[0].count) - reserve(sets[1].count);
+    const int is_last = portion->set.count <= build->preset->spatial_size;
+    const uint32_t spare = is_last ? 0 : (uint32_t)(portion->set.count + portion->spare - count);
+    const uint32_t depth = portion->depth + 1, failed_count = portion->failed_count;
+    const uint32_t lower_budget = reserve(sets[0].count) + scale(rest, sets[0].count, count);
+    const uint32_t lower_spare = scale(spare, sets[0].count, count), upper = portion->node + 2 * lower_budget;
+    sides[0] = (struct portion){sets[0], lower_spare, portion->node + 1, depth, lower_budget, failed_count};
+    sides[1] =
+        (struct portion){sets[1], spare - lower_spare, upper, depth, portion->budget - lower_budget, failed_count};
 }
 
 /* ---- looking for a split --------------------------------------------------------------------------------------- */
 
-static uint32_t chunks_of(uint32_t count)
-{
-    return count / CHUNK_SIZE + (count % CHUNK_SIZE != 0);
-}
-
 /* Do `count` references have a chunk of this number? After the first chunk, not if the call is cancelled. */
 static int is_chunk_due(const struct build *build, uint32_t count, uint32_t chunk)
 {
-    return chunk < chunks_of(count) && (chunk == 0 || !mlrt_is_cancelled(build->progress));
+    return chunk < mlrt_item_count(count, CHUNK_SIZE) && (chunk == 0 || !mlrt_is_cancelled(build->progress));
 }
 
 /* Adds a chunk of a portion's references to bins. */
@@ -378,7 +358,7 @@ static void fill_chunk(const struct build *build, const struct portion *portion,
                        struct mlrt_bvh_bins *bins)
 {
     const struct mlrt_bvh_set *set = &portion->set;
-    const uint32_t begin = chunk * CHUNK_SIZE, left = set->count - begin, count = left < CHUNK_SIZE ? left : CHUNK_SIZE;
+    const uint32_t begin = chunk * CHUNK_SIZE, count = mlrt_item_size(set->count, CHUNK_SIZE, chunk);
     if (bins->kind == MLRT_SPLIT_BY_PLANE)
         mlrt_fill_slabs(build->tree->triangles, build->tree->bvh.unit, build->references.boxes, set->first + begin,
                         count, &set->box, bins);
@@ -404,7 +384,7 @@ static void fill(struct build *build, const struct portion *portion, enum mlrt_s
     }
     const uint32_t worker_count = mlrt_worker_count(build->pool);
     for (uint32_t i = 0; i < worker_count; i++) build->work.shares[i] = *all;
-    run_step(build, chunks_of(count), fill_share);
+    run_step(build, mlrt_item_count(count, CHUNK_SIZE), fill_share);
     for (uint32_t i = 0; i < worker_count; i++) mlrt_merge_bins(&build->work.shares[i], all);
 }
 
@@ -482,9 +462,9 @@ static void move_set(const struct build *build, struct mlrt_bvh_set *set, uint32
     const uint32_t from = first > set->first ? set->first : set->first + set->count - count;
     const uint32_t to = first > set->first ? first + set->count - count : first;
     for (uint32_t chunk = 0; is_chunk_due(build, count, chunk); chunk++) {
-        const uint32_t begin = chunk * CHUNK_SIZE, left = count - begin;
+        const uint32_t begin = chunk * CHUNK_SIZE, size = mlrt_item_size(count, CHUNK_SIZE, chunk);
         memcpy(build->references.boxes + to + begin, build->references.boxes + from + begin,
-               (left < CHUNK_SIZE ? left : CHUNK_SIZE) * sizeof *build->references.boxes);
+               size * sizeof *build->references.boxes);
     }
     set->first = first;
 }
@@ -639,7 +619,7 @@ static void find_tasks(struct build *build)
             (struct mlrt_forest){.node = i < build->work.task_count ? build->work.tasks[i]->node : UINT32_MAX};
 }
 
-/* Sets the choices of the nodes above the tasks, after all tasks have set theirs. */
+/* Sets the choices of the nodes above the tasks, all of which have set theirs. `next` is the first task of the rest. */
 static void choose_upper(const struct build *build, uint32_t number, const struct mlrt_forest **next,
                          struct mlrt_forest_costs *costs)
 {
@@ -777,20 +757,17 @@ static int32_t allocate_result(struct build *build, const struct mlrt_bvh_size *
     bvh->node_count = (uint32_t)size->node_count;
     bvh->leaf_quad_count = (uint32_t)size->quad_count;
     bvh->quad_count = has_places ? (uint32_t)quad_count : bvh->leaf_quad_count;
-    if (bvh->quad_count > 0) {
-        bvh->corners =
-            mlrt_reuse(&tree->memory, build->references.boxes, build->limits.capacity * (size_t)REFERENCE_ROOM,
-                       (36 * (size_t)bvh->quad_count + 16) * sizeof *bvh->corners);
-        build->references.boxes = NULL;
-    }
-    if (has_places) bvh->places = mlrt_allocate(&tree->memory, tree->triangle_count, sizeof *bvh->places);
-    if (has_places && bvh->places == NULL) return MLRT_ERROR_OUT_OF_MEMORY;
-    if (has_places) memset(bvh->places, 0xFF, tree->triangle_count * sizeof *bvh->places);
     if (bvh->quad_count == 0) return MLRT_OK;
+    bvh->corners = mlrt_reuse(&tree->memory, build->references.boxes, build->limits.capacity * (size_t)REFERENCE_ROOM,
+                              (36 * (size_t)bvh->quad_count + 16) * sizeof *bvh->corners);
+    build->references.boxes = NULL;
+    if (has_places) bvh->places = mlrt_allocate(&tree->memory, tree->triangle_count, sizeof *bvh->places);
     if (bvh->node_count > 0) bvh->nodes = mlrt_allocate(&tree->memory, bvh->node_count, sizeof *bvh->nodes);
     bvh->numbers = mlrt_allocate(&tree->memory, 4 * (size_t)bvh->quad_count + 16, sizeof *bvh->numbers);
-    if (bvh->node_count > 0 && bvh->nodes == NULL) return MLRT_ERROR_OUT_OF_MEMORY;
-    if (bvh->corners == NULL || bvh->numbers == NULL) return MLRT_ERROR_OUT_OF_MEMORY;
+    if (bvh->corners == NULL || bvh->numbers == NULL || (has_places && bvh->places == NULL) ||
+        (bvh->node_count > 0 && bvh->nodes == NULL))
+        return MLRT_ERROR_OUT_OF_MEMORY;
+    if (has_places) memset(bvh->places, 0xFF, tree->triangle_count * sizeof *bvh->places);
     memset(bvh->corners + 36 * (size_t)bvh->quad_count, 0, 16 * sizeof *bvh->corners);
     memset(bvh->numbers + 4 * (size_t)bvh->quad_count, 0, 16 * sizeof *bvh->numbers);
     return MLRT_OK;
@@ -880,7 +857,7 @@ static void set_limits(const mlrt_tree_options *options, uint32_t triangle_count
     /* A level has at most capacity / task_size sets larger than tasks, and cutting n of these leaves n + 1 tasks. */
     build->limits.level_capacity = build->limits.capacity / build->limits.task_size + 1;
     build->limits.task_capacity = BINARY_DEPTH * (build->limits.capacity / build->limits.task_size) + 1;
-    build->limits.chunk_count = chunks_of(triangle_count);
+    build->limits.chunk_count = mlrt_item_count(triangle_count, CHUNK_SIZE);
     const double levels = log2((double)triangle_count / MLRT_BVH_LEAF_LIMIT + 2);
     build->limits.cut_work = (MLRT_BVH_WORK - FIRST_WORK - LAST_WORK) / levels;
 }

@@ -103,9 +103,9 @@ static MLRT_NOINLINE int trace_rays(const struct run *run, struct worker *worker
 static int32_t run_item(void *work, uint32_t item, uint32_t number)
 {
     struct run *run = work;
-    const uint32_t begin = item * ITEM_RAYS, left = run->source->count - begin;
+    const uint32_t begin = item * ITEM_RAYS, count = mlrt_item_size(run->source->count, ITEM_RAYS, item);
     int done;
-    MLRT_COMPUTE(done = trace_rays(run, &run->workers[number], begin, begin + (left < ITEM_RAYS ? left : ITEM_RAYS)));
+    MLRT_COMPUTE(done = trace_rays(run, &run->workers[number], begin, begin + count));
     if (!done) return MLRT_ERROR_OUT_OF_MEMORY;
     return mlrt_advance(&run->progress, 1) ? MLRT_ERROR_CANCELLED : MLRT_OK;
 }
@@ -117,7 +117,7 @@ int32_t mlrt_run_all_hits(const struct mlrt_tree *tree, const struct mlrt_source
     make_sink(lists, &run);
     if (source->count == 0) return mlrt_end_nothing(&options->host);
     const uint32_t worker_count = mlrt_worker_count(options->pool);
-    const uint32_t item_count = (source->count - 1) / ITEM_RAYS + 1;
+    const uint32_t item_count = mlrt_item_count(source->count, ITEM_RAYS);
     struct mlrt_memory memory = mlrt_host_memory(&options->host, 0);
     run.workers = mlrt_allocate_zeroed(&memory, worker_count, sizeof *run.workers);
     if (!run.workers) return MLRT_ERROR_OUT_OF_MEMORY;

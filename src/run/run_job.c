@@ -25,11 +25,6 @@ struct run {
     struct mlrt_progress progress; /* by pixels */
 };
 
-static uint32_t tile_count(uint32_t length, uint32_t size)
-{
-    return length / size + (length % size != 0);
-}
-
 /* Describes a traced tile to the callback: its place in the picture, and the arrays that were asked for. */
 static void describe_tile(const struct mlrt_job *job, const struct mlrt_worker *worker, uint32_t number, uint32_t width,
                           uint32_t height, mlrt_tile *tile)
@@ -192,8 +187,8 @@ int32_t mlrt_run_job(struct mlrt_job *job, const struct mlrt_run_options *option
 {
     if (trace_without_worker(job, options)) return MLRT_OK;
     mlrt_group_channels(&job->frame);
-    const uint32_t columns = tile_count(job->source.width, job->initial_tile_size);
-    const uint64_t item_count = (uint64_t)columns * tile_count(job->source.height, job->initial_tile_size);
+    const uint32_t columns = mlrt_item_count(job->source.width, job->initial_tile_size);
+    const uint64_t item_count = (uint64_t)columns * mlrt_item_count(job->source.height, job->initial_tile_size);
     if (item_count == 0) return mlrt_end_nothing(&options->host);
 
     const size_t share = lay_out_share(job, NULL, NULL);

@@ -163,8 +163,7 @@ static int32_t copy_chunk(void *work, uint32_t item, uint32_t worker)
     const struct copying *copying = work;
     struct mlrt_tree *tree = copying->tree;
     uint32_t number = item * CHUNK_SIZE;
-    const uint32_t count = tree->triangle_count - number < CHUNK_SIZE ? tree->triangle_count - number : CHUNK_SIZE;
-    const uint32_t end = number + count;
+    const uint32_t count = mlrt_item_size(tree->triangle_count, CHUNK_SIZE, item), end = number + count;
     (void)worker;
     for (uint32_t position = mlrt_mesh_of_triangle(tree, number); number < end; ++position) {
         const mlrt_mesh mesh = mlrt_mesh_at(copying->meshes, position);
@@ -182,7 +181,7 @@ static int32_t copy_chunk(void *work, uint32_t item, uint32_t worker)
  */
 static int32_t copy_triangles(struct copying *copying, mlrt_pool *pool)
 {
-    const uint32_t count = copying->tree->triangle_count, chunk_count = count / CHUNK_SIZE + (count % CHUNK_SIZE != 0);
+    const uint32_t chunk_count = mlrt_item_count(copying->tree->triangle_count, CHUNK_SIZE);
     const int32_t status = mlrt_run_items(pool, chunk_count, copy_chunk, copying);
     return status == MLRT_ERROR_INDEX_RANGE ? mlrt_run_items(NULL, chunk_count, copy_chunk, copying) : status;
 }
