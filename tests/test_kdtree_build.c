@@ -558,7 +558,7 @@ static void test_the_peak_is_reported(void **state)
     static struct mlrt_triangle triangles[2000];
     make_soup(triangles, 2000, 0.1f, 29);
     struct mlrt_tree tree = build_with(triangles, 2000, NULL);
-    assert_true(tree.info.peak_memory_size >= 8 * tree.info.node_count + 4 * tree.info.reference_count);
+    assert_true(tree.memory.peak_size >= 8 * tree.info.node_count + 4 * tree.info.reference_count);
     free_tree(&tree);
 }
 

@@ -120,9 +120,11 @@ const struct mlrt_kernels *__real_mlrt_select_kernels(const struct mlrt_structur
 const struct mlrt_kernels *__wrap_mlrt_select_kernels(const struct mlrt_structure *structure, int32_t isa,
                                                       int32_t method, int counting);
 void __real_mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots,
-                              struct mlrt_tree *tree, struct mlrt_progress *progress, struct mlrt_bvh_cursor *cursor);
+                              struct mlrt_tree *tree, struct mlrt_progress *progress, struct mlrt_forest *next,
+                              struct mlrt_bvh_cursor *cursor);
 void __wrap_mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots,
-                              struct mlrt_tree *tree, struct mlrt_progress *progress, struct mlrt_bvh_cursor *cursor);
+                              struct mlrt_tree *tree, struct mlrt_progress *progress, struct mlrt_forest *next,
+                              struct mlrt_bvh_cursor *cursor);
 
 int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*function)(void *), void *data)
 {
@@ -139,9 +141,10 @@ const struct mlrt_kernels *__wrap_mlrt_select_kernels(const struct mlrt_structur
 }
 
 void __wrap_mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots,
-                              struct mlrt_tree *tree, struct mlrt_progress *progress, struct mlrt_bvh_cursor *cursor)
+                              struct mlrt_tree *tree, struct mlrt_progress *progress, struct mlrt_forest *next,
+                              struct mlrt_bvh_cursor *cursor)
 {
-    __real_mlrt_write_forest(binary, number, slots, tree, progress, cursor);
+    __real_mlrt_write_forest(binary, number, slots, tree, progress, next, cursor);
     if (pretended == MANY_QUADS && !cursor->parent) cursor->size.quad_count += UINT32_MAX >> 3;
 }
 

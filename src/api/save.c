@@ -50,8 +50,6 @@
  *
  * Checks read the tree's own copy, so a change of the data meanwhile does no harm, unless they are used in place.
  */
-#include "api/save.h"
-
 #include <math.h>
 #include <string.h>
 
@@ -480,12 +478,4 @@ MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_o
         status = status == MLRT_ERROR_DATA ? mlrt_fail(status, "data: %s", wrong) : mlrt_note_status(status);
     }
     return mlrt_end_call(&voice, status);
-}
-
-void mlrt_return_arrays(struct mlrt_tree *tree)
-{
-    for (int i = 0; i < SECTION_COUNT && tree->borrowed; ++i) {
-        const struct mlrt_section *kind = section_at(tree->structure, i);
-        if (kind) set_array(tree, kind, NULL);
-    }
 }

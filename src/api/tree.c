@@ -2,7 +2,6 @@
 /* The exported functions for trees: build, report, estimate memory, destroy. */
 #include <string.h>
 
-#include "api/save.h"
 #include "base/host.h"
 #include "base/platform.h"
 #include "base/progress.h"
@@ -59,16 +58,6 @@ static int32_t fill_tree(const mlrt_mesh *meshes, size_t mesh_count, const struc
     status = mlrt_copy_meshes(meshes, mesh_count, pool, &progress, tree);
     if (status == MLRT_OK) status = tree->structure->builder.build(tree, &call->options, &progress);
     return mlrt_end_progress(&progress, status);
-}
-
-struct mlrt_tree *mlrt_allocate_tree(const struct mlrt_structure *structure, const struct mlrt_memory *memory)
-{
-    struct mlrt_memory own = *memory;
-    struct mlrt_tree *tree = mlrt_allocate_zeroed(&own, 1, sizeof *tree);
-    if (!tree) return NULL;
-    tree->structure = structure;
-    tree->memory = own;
-    return tree;
 }
 
 static void log_result(const struct mlrt_voice *voice, const mlrt_tree_info *info)
@@ -148,9 +137,10 @@ MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, c
 MLRT_API void mlrt_destroy_tree(mlrt_tree *tree)
 {
     if (!tree) return;
-    mlrt_return_arrays(tree);
-    mlrt_free_meshes(tree);
-    tree->structure->builder.free(tree);
+    if (!tree->borrowed) {
+        mlrt_free_meshes(tree);
+        tree->structure->builder.free(tree);
+    }
     struct mlrt_memory memory = tree->memory;
     mlrt_free(&memory, tree, 1, sizeof *tree);
 }

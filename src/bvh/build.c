@@ -827,7 +827,6 @@ static int32_t build_hierarchy(struct build *build)
     struct mlrt_tree *tree = build->tree;
     struct mlrt_bvh_size size = {.depth = 0};
     if (!allocate_work(build)) return MLRT_ERROR_OUT_OF_MEMORY;
-    memset(&tree->bounds, 0, sizeof tree->bounds);
     mlrt_set_bvh_unit(tree);
     int32_t status = make_references(build);
     if (status == MLRT_OK && build->references.count > 0) status = build_binary(build, BINARY_DEPTH, &size);
@@ -866,9 +865,7 @@ static const struct build NOTHING_BUILT;
 
 int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options, struct mlrt_progress *progress)
 {
-    static const struct mlrt_bvh NONE;
     struct build build = NOTHING_BUILT;
-    tree->bvh = NONE;
     if (tree->triangle_count >= MLRT_REFERENCE_MARK) return MLRT_ERROR_TOO_LARGE;
     build.tree = tree;
     build.pool = options != NULL ? options->pool : NULL;

@@ -7,9 +7,9 @@
 #include "scene/tree.h"
 
 /*
- * On entry, tree->triangles and triangle_count are set, `options` is checked (or NULL), and the floating-point
- * environment is the library's. Returns a status. With MLRT_OK, tree->bvh, bounds and tree->info are set,
- * except triangle_count, structure, memory_size and build_seconds, which the caller sets. After an error the hierarchy
+ * On entry, tree->triangles and triangle_count are set and the rest is 0, `options` is checked (or NULL), and the
+ * floating-point environment is the library's. Returns a status. With MLRT_OK, tree->bvh, bounds and tree->info are set,
+ * except what of info the caller knows. After an error the hierarchy
  * is empty, and tree->memory holds what it held on entry. MLRT_ERROR_TOO_LARGE: more nodes or quads than node.h has
  * bits for. Adds about MLRT_BVH_WORK per triangle to `progress` (NULL = none).
  */

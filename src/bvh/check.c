@@ -116,11 +116,8 @@ void mlrt_join_parts(const struct mlrt_bvh_part *parts, const struct mlrt_bvh_co
         info->reference_count += parts[i].reference_count;
     }
     info->node_count = tree->bvh.node_count;
-    info->empty_leaf_count = 0;
-    info->retracted_count = 0;
     info->sah_cost = (area > 0 ? cost / area : 0) / costs->node + 1;
     info->tree_hash = mlrt_finish_hash(&hash);
-    info->peak_memory_size = tree->memory.peak_size;
     memcpy(info->bounds_min, tree->bounds.lo, sizeof info->bounds_min);
     memcpy(info->bounds_max, tree->bounds.hi, sizeof info->bounds_max);
 }

@@ -29,7 +29,7 @@ void mlrt_measure_part(const struct mlrt_tree *tree, const struct mlrt_bvh_costs
 
 /*
  * Sets the members of tree->info that follow from the hierarchy and all its parts, except depth: the counts of nodes, leaves and
- * references, tree_hash, sah_cost (in units of costs->node), the bounds, and the peak of memory.
+ * references, tree_hash, sah_cost (in units of costs->node), and the bounds.
  */
 void mlrt_join_parts(const struct mlrt_bvh_part *parts, const struct mlrt_bvh_costs *costs, struct mlrt_tree *tree);
 

@@ -33,21 +33,15 @@ struct preset {
 };
 
 /*
- * Measured per 4x4 packet that starts at the root, at 1024 x 1024, as cells / triangle tests.
- *
- * Intersection cost 1, 1.5, 2.5, 4, 8: erw6 21.5 / 2.4, 21.9 / 2.2, 22.1 / 2.0, 22.3 / 2.0, 22.4 / 1.9; conference
- * 55.9 / 5.2, 56.9 / 4.7, 58.3 / 4.1, 58.8 / 4.0, 59.6 / 3.8; with 3.2, 4.4, 6.1, 7.4, 8.7 nodes per triangle. So
- * leaves that are smaller than those of 2.5 do not pay.
+ * Intersection cost: with 1, 2.5, 8 a 4x4 packet from the root visits 55.9, 58.3, 59.6 cells of conference and tests
+ * 5.2, 4.1, 3.8 triangles, by 3.2, 6.1, 8.7 nodes per triangle. So leaves that are smaller than those of 2.5 do not pay.
  *
  * Empty factor: expected costs for 1, 0.9, 0.8, 0.7 differ by less than 1 %.
  *
- * Minimum cell 1e-8, 1e-6, 2e-5, 1e-4, with preset `paper` and method packet4 (which skips a triangle that it tested in
- * a leaf just before, and triangles whose outlines its rays do not overlap): conference 64.8 / 6.7, 59.6 / 6.2,
- * 56.9 / 6.3, 55.0 / 6.9; a ship seen from inside (cruiser) 84.6 / 10.0, 75.0 / 8.5, 71.9 / 8.6, 69.4 / 9.9; a dense
- * scan (dragon, 7.8 M triangles) 333 / 51, 146 / 51, 42.9 / 43, 30.4 / 37. Build times fall by a third at each step.
- * But leaves grow, and frame times follow neither count: frames of cruiser take 169, 220, 432 ms at 1e-6, 4e-6, 2e-5,
- * those of the dragon 969, 749, 694 ms. So 1e-6 is a compromise. At 2e-5 the dragon's cells match those that the paper
- * counts for its own dragon without beams, 42.2.
+ * Minimum cell: with 1e-8, 1e-6, 2e-5, 1e-4, packets visit 64.8, 59.6, 56.9, 55.0 cells of conference and 333, 146,
+ * 42.9, 30.4 of a dense scan (dragon, 7.8 M triangles); at 2e-5 these match the 42.2 that the paper counts for its own
+ * dragon without beams. Build times fall by a third at each step. But leaves grow: frames of a ship seen from inside
+ * (cruiser) take 169, 220, 432 ms at 1e-6, 4e-6, 2e-5, those of the dragon 969, 749, 694 ms. So 1e-6 is a compromise.
  */
 static const struct preset PRESETS[] = {
     {{1.0, 2.5, 0.9}, 2e-5}, /* MLRT_KDTREE_PAPER */
@@ -757,10 +751,6 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const void *options, struct mlr
     build.progress = progress;
     build.settings = resolve_options(options, tree->triangle_count);
     build.parts.size = tree->triangle_count / PART_SHARE > PART_SIZE ? tree->triangle_count / PART_SHARE : PART_SIZE;
-    tree->kdtree.nodes = NULL;
-    tree->kdtree.references = NULL;
-    tree->info.non_finite_count = 0;
-    tree->info.zero_area_count = 0;
     if (tree->triangle_count > COUNT_LIMIT) return MLRT_ERROR_TOO_LARGE;
     pthread_mutex_init(&build.memory_mutex, NULL);
     const int built = make_root(&build, tree) && build_parts(&build) && join_all(&build);
@@ -768,7 +758,6 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const void *options, struct mlr
     release_all(&build);
     pthread_mutex_destroy(&build.memory_mutex);
     if (!built) return mlrt_is_cancelled(progress) ? MLRT_ERROR_CANCELLED : MLRT_ERROR_OUT_OF_MEMORY;
-    tree->info.peak_memory_size = tree->memory.peak_size;
     mlrt_measure_tree(tree, build.settings.preset.model.traversal, build.settings.preset.model.intersection, progress);
     return mlrt_is_cancelled(progress) ? MLRT_ERROR_CANCELLED : MLRT_OK;
 }

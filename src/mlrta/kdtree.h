@@ -53,7 +53,7 @@ static inline uint32_t mlrt_leaf_count(const struct mlrt_node *node)
 /* ---- build.c -------------------------------------------------------------------------------------------------- */
 
 /*
- * Before the call, tree->triangles and triangle_count are set, `options` is an mlrt_kdtree_options that was checked (or
+ * Before the call, tree->triangles and triangle_count are set and the rest is 0, `options` is an mlrt_kdtree_options that was checked (or
  * NULL), and the floating-point environment is the library's. `progress` (may be NULL) advances by MLRT_KDTREE_WORK per
  * triangle. Returns a status:
  *

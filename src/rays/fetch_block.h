@@ -3,9 +3,44 @@
 #ifndef MLRT_RAYS_FETCH_BLOCK_H
 #define MLRT_RAYS_FETCH_BLOCK_H
 
-#include "rays/camera_packet.h"
+#include <string.h>
+
 #include "rays/check_packet.h"
 #include "rays/rectangle.h"
+#include "simd/simd.h"
+
+/*
+ * The rays of a camera's block, by the formula of camera.h with the same bits. Those of a pinhole camera are checked,
+ * those of a parallel one are not.
+ */
+static void get_camera_packet(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t lanes,
+                              struct mlrt_packet *packet)
+{
+    float(*points)[MLRT_PACKET_RAYS] = view->parallel ? packet->origin : packet->direction;
+    const vf x0 = v_set1((float)(view->crop.x + x)), y0 = v_set1((float)(view->crop.y + y));
+    memcpy(packet->apex, view->eye, sizeof packet->apex);
+    packet->has.apex = !view->parallel;
+    packet->has.skip = packet->has.masks = 0;
+    packet->has.limits = view->t_min > 0;
+    struct checked_lanes checked;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf xs = v_add(v_add(x0, v_load(mlrt_lane_x + v)), v_set1(view->sample_x));
+        const vf ys = v_add(v_add(y0, v_load(mlrt_lane_y + v)), v_set1(view->sample_y));
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k) {
+            const vf row = v_add(v_set1(view->d00[k]), v_mul(xs, v_set1(view->dx[k])));
+            const vf p = v_add(row, v_mul(ys, v_set1(view->dy[k])));
+            if (view->parallel) v_store(packet->direction[k] + v, v_set1(view->direction[k]));
+            v_store(points[k] + v, v_add(p, v_set1(0))); /* -0 becomes 0 */
+        }
+        take_limits(v_set1(view->t_min), v_set1(view->t_max), v, packet);
+    }
+    if (view->parallel) return;
+    check_lanes(packet->direction, &checked);
+    const uint32_t valid = view->t_min < view->t_max ? lanes & checked.finite & checked.nonzero : 0;
+    packet->active = view->eye_is_safe ? valid & checked.safe : 0;
+    packet->single = valid & ~packet->active;
+}
 
 /*
  * A block is read in two steps: fetch_block reads the numbers of its rays, check_block checks them. If many packets are

@@ -2,7 +2,7 @@
 /*
  * Sources of rays: reads their rays one by one, alone or into the packet of a block, element by element: arrays are
  * aligned to 4 bytes only and have any stride, and no byte outside their elements may be read. read_arrays.h reads
- * whole blocks of most arrays with vectors, camera_packet.h makes those of cameras. check_packet.h checks the rays.
+ * whole blocks of most arrays with vectors, fetch_block.h makes those of cameras. check_packet.h checks the rays.
  */
 #include "rays/source.h"
 

@@ -1,8 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* Facts about a tree of any structure: the mesh of a triangle, and which triangles are left out. */
+/* A tree of any structure: an empty one, the mesh of a triangle, and which triangles are left out. */
 #include "scene/tree.h"
 
 #include "exact/predicate.h"
+
+struct mlrt_tree *mlrt_allocate_tree(const struct mlrt_structure *structure, const struct mlrt_memory *memory)
+{
+    struct mlrt_memory own = *memory;
+    struct mlrt_tree *tree = mlrt_allocate_zeroed(&own, 1, sizeof *tree);
+    if (!tree) return NULL;
+    tree->structure = structure;
+    tree->memory = own;
+    return tree;
+}
 
 uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
 {

@@ -77,6 +77,9 @@ static inline void mlrt_read_in_order(struct mlrt_tree *tree)
     tree->by_number = (struct mlrt_triangles){tree->triangles ? tree->triangles->v[0] : NULL, NULL, 0, 1};
 }
 
+/* Returns an empty tree, allocated from `memory`, which it keeps; NULL if out of memory. */
+struct mlrt_tree *mlrt_allocate_tree(const struct mlrt_structure *structure, const struct mlrt_memory *memory);
+
 /* Returns the position of the mesh that triangle `number` belongs to. */
 uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number);
 
