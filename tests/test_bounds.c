@@ -1267,9 +1267,10 @@ static int is_within(const struct exact_polygon *polygon, const struct bounds *b
 /* 1 if clipping with this share of the margins loses nothing of the two halves. */
 static int is_enough(const struct mlrt_triangle *triangle, const struct mlrt_box *box, float position, double share)
 {
-    const struct mlrt_box whole = mlrt_box_of_triangle(triangle);
+    struct mlrt_box whole;
     double margin[3];
     struct polygon polygon[2];
+    mlrt_bound_triangle(triangle, whole.lo, whole.hi);
     find_margins(&whole, margin);
     for (int k = 0; k < 3; ++k) margin[k] *= share;
     copy_triangle(triangle, &polygon[0]);

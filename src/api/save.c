@@ -380,7 +380,8 @@ static const char *check_report(struct mlrt_tree *tree)
     for (uint32_t i = 0; i < tree->triangle_count; ++i) {
         const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, i);
         if (!mlrt_keep_triangle(&triangle, &non_finite_count, &zero_area_count)) continue;
-        const struct mlrt_box own = mlrt_box_of_triangle(&triangle);
+        struct mlrt_box own;
+        mlrt_bound_triangle(&triangle, own.lo, own.hi);
         mlrt_extend_box(own.lo, own.hi, &box);
     }
     const int is_empty = non_finite_count + zero_area_count == tree->triangle_count;

@@ -233,9 +233,7 @@ static void scale_reference(float unit, struct mlrt_quad_box *reference)
 static void set_reference(struct mlrt_quad_box *reference, const struct mlrt_triangle *triangle, uint32_t number)
 {
     const uint32_t bits = number | MLRT_REFERENCE_MARK;
-    const struct mlrt_box box = mlrt_box_of_triangle(triangle);
-    memcpy(reference->lo, box.lo, sizeof box.lo);
-    memcpy(reference->hi, box.hi, sizeof box.hi);
+    mlrt_bound_triangle(triangle, reference->lo, reference->hi);
     memcpy(&reference->lo[3], &bits, sizeof bits);
     reference->hi[3] = 0;
 }

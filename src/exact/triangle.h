@@ -97,17 +97,15 @@ static inline void mlrt_extend_box(const float lo[3], const float hi[3], struct 
     }
 }
 
-/* The box of a triangle. Adding 0 turns -0 into 0. */
-static inline struct mlrt_box mlrt_box_of_triangle(const struct mlrt_triangle *triangle)
+/* Sets the corners of the box of a triangle. Adding 0 turns -0 into 0. */
+static inline void mlrt_bound_triangle(const struct mlrt_triangle *triangle, float box_lo[3], float box_hi[3])
 {
-    struct mlrt_box box;
     for (int k = 0; k < 3; ++k) {
         const float a = triangle->v[0][k], b = triangle->v[1][k], c = triangle->v[2][k];
         const float lo = a < b ? a : b, hi = a < b ? b : a;
-        box.lo[k] = (c < lo ? c : lo) + 0.0f;
-        box.hi[k] = (c > hi ? c : hi) + 0.0f;
+        box_lo[k] = (c < lo ? c : lo) + 0.0f;
+        box_hi[k] = (c > hi ? c : hi) + 0.0f;
     }
-    return box;
 }
 
 /* Magnitudes with which float arithmetic in traversal neither overflows nor underflows: these, and 0. */

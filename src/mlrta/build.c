@@ -655,7 +655,9 @@ static size_t make_references(struct part *root, struct mlrt_tree *tree)
     for (uint32_t i = 0; i < tree->triangle_count && !mlrt_is_cancelled_in_round(root->build->progress, i + 1); i++) {
         if (!mlrt_keep_triangle(&tree->triangles[i], &tree->info.non_finite_count, &tree->info.zero_area_count))
             continue;
-        *reference_at(root, count++) = (struct mlrt_reference){i, mlrt_box_of_triangle(&tree->triangles[i])};
+        struct mlrt_reference *reference = reference_at(root, count++);
+        reference->triangle = i;
+        mlrt_bound_triangle(&tree->triangles[i], reference->box.lo, reference->box.hi);
     }
     return count;
 }

@@ -189,9 +189,10 @@ static int intersect_bounds(const struct bounds *bounds, float tiny, struct mlrt
 void mlrt_clip_halves(const struct mlrt_triangle *triangle, const struct mlrt_box *box, uint32_t axis, float position,
                       float tiny, struct mlrt_halves *halves)
 {
-    const struct mlrt_box whole = mlrt_box_of_triangle(triangle);
+    struct mlrt_box whole;
     double margin[3];
     struct polygon polygon[2];
+    mlrt_bound_triangle(triangle, whole.lo, whole.hi);
     find_margins(&whole, margin);
     copy_triangle(triangle, &polygon[0]);
     int current = cut_by_box(&whole, margin, box, polygon);
@@ -212,8 +213,9 @@ void mlrt_clip_halves(const struct mlrt_triangle *triangle, const struct mlrt_bo
 double mlrt_clipped_area(const struct mlrt_triangle *triangle, const struct mlrt_box *box, uint32_t axis)
 {
     static const double no_margin[3];
-    const struct mlrt_box whole = mlrt_box_of_triangle(triangle);
+    struct mlrt_box whole;
     struct polygon polygon[2];
+    mlrt_bound_triangle(triangle, whole.lo, whole.hi);
     copy_triangle(triangle, &polygon[0]);
     const struct polygon *part = &polygon[cut_by_box(&whole, no_margin, box, polygon)];
     uint32_t x = (axis + 1) % 3, y = (axis + 2) % 3;

@@ -2,8 +2,6 @@
 /* A tree of any structure: an empty one, the mesh of a triangle, and which triangles are left out. */
 #include "scene/tree.h"
 
-#include "exact/predicate.h"
-
 struct mlrt_tree *mlrt_allocate_tree(const struct mlrt_structure *structure, const struct mlrt_memory *memory)
 {
     struct mlrt_memory own = *memory;
@@ -26,14 +24,6 @@ uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
         }
     }
     return below;
-}
-
-int mlrt_keep_triangle(const struct mlrt_triangle *triangle, uint64_t *non_finite_count, uint64_t *zero_area_count)
-{
-    const int is_finite = mlrt_triangle_is_finite(triangle);
-    if (is_finite && mlrt_triangle_has_area(triangle)) return 1;
-    ++*(is_finite ? zero_area_count : non_finite_count);
-    return 0;
 }
 
 int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number)

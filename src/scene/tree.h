@@ -12,6 +12,7 @@
 #define MLRT_SCENE_TREE_H
 
 #include "base/memory.h"
+#include "exact/predicate.h"
 #include "exact/triangle.h"
 #include "mlrt.h"
 
@@ -84,7 +85,14 @@ struct mlrt_tree *mlrt_allocate_tree(const struct mlrt_structure *structure, con
 uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number);
 
 /* 1 if rays can hit a triangle. If not, it is left out: counts why. */
-int mlrt_keep_triangle(const struct mlrt_triangle *triangle, uint64_t *non_finite_count, uint64_t *zero_area_count);
+static inline int mlrt_keep_triangle(const struct mlrt_triangle *triangle, uint64_t *non_finite_count,
+                                     uint64_t *zero_area_count)
+{
+    const int is_finite = mlrt_triangle_is_finite(triangle);
+    if (is_finite && mlrt_triangle_has_area(triangle)) return 1;
+    ++*(is_finite ? zero_area_count : non_finite_count);
+    return 0;
+}
 
 /* 1 if the triangle is left out: no leaf may hold it. tree->info must have the counts of triangles left out. */
 int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number);
