@@ -69,7 +69,7 @@ static size_t lay_out(const struct mlrt_job *job, unsigned char *memory, struct 
             if (is_kept[any]) leaves += (size_t)1 << bits;
             bundles->open_bundles[any] = bundles->lane_tiles[any] = 0;
         }
-        for (int i = 0; i < MLRT_KEPT_SURFACES; ++i) bundles->surfaces[i].light = NULL;
+        for (int i = 0; job->light_count && i < MLRT_KEPT_SURFACES; ++i) bundles->surfaces[i].light = NULL;
         bundles->open_tiles = MLRT_FIRST_OPEN_TILES;
         bundles->open_squares = MLRT_FIRST_OPEN_SQUARES;
         worker->bundles = bundles;
