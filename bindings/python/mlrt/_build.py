@@ -15,7 +15,7 @@ from ._errors import check
 from ._host import Host
 from ._meshes import Meshes, in_32_bits, in_64_bits
 from ._pool import pool_handle
-from ._progress import Bar
+from ._progress import Bar, wants_bar
 from .typing import KdTreePreset, Preset, Threads
 
 MESSAGE_SIZE = 256
@@ -78,7 +78,7 @@ def _build(builder: Any, meshes: Meshes, options: Any, progress: bool) -> TreeHa
     handle = TreeHandle()
     with ExitStack() as stack:
         total = meshes.triangle_count
-        bar = stack.enter_context(Bar(total, "triangles")) if progress else None
+        bar = stack.enter_context(Bar(total, "triangles")) if wants_bar(progress) else None
         options.host = stack.enter_context(Host(bar, total)).pointer
         count, pointers = len(meshes.structs), map(ctypes.byref, (options, handle))
         status = builder(meshes.structs, count, *pointers)

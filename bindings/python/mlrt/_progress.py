@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from types import TracebackType
 from typing import Any, Optional
 
+import numpy as np
+
 from . import _abi
 
 # Rays traced between two moves of the bar, or somewhat more: so many that pieces cost nothing. All threads share a piece.
@@ -14,6 +16,13 @@ SHARED_PIECE_RAYS = 1 << 20
 
 # Squares of pixels that rays are grouped in have at most so many rows, and no piece ends within one.
 _SQUARE_ROWS = 64
+
+
+def wants_bar(progress: bool) -> bool:
+    """The argument `progress`. A function in its place is an error, since it would never be called."""
+    if not isinstance(progress, (bool, np.bool_)):
+        raise TypeError(f"progress: True or False, not {type(progress).__name__}")
+    return bool(progress)
 
 
 class Bar:

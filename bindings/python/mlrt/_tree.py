@@ -25,7 +25,7 @@ from ._lights import light_structs
 from ._meshes import Meshes, in_32_bits
 from ._outputs import given_hits, new_hit_lists, new_hits, occluded
 from ._pool import pool_handle
-from ._progress import Bar, pieces
+from ._progress import Bar, pieces, wants_bar
 from ._rays import Rays
 from ._results import HitLists, Hits
 from ._single import Hit
@@ -399,7 +399,7 @@ class Tree:
         else:
             packed = given_hits(out, rays.shape, rows=False)
         options = _options(_abi.QUERY_CLOSEST, method, isa, one_mask, pool, counters)
-        if progress:
+        if wants_bar(progress):
             _trace_pieces(library.mlrt_trace_packet, tree, rays, options, packed, _abi.Hits, pool)
             return out
         status = library.mlrt_trace_packet(tree, rays.packed, options, packed)
@@ -445,7 +445,7 @@ class Tree:
         rays = Rays(origins, directions, t_min, t_max, skip, row_length, masks)
         out, packed = occluded(out, rays.shape)
         options = _options(_abi.QUERY_ANY, method, isa, one_mask, pool, counters)
-        if progress:
+        if wants_bar(progress):
             _trace_pieces(library.mlrt_trace_packet, tree, rays, options, packed, _abi.Hits, pool)
             return out
         status = library.mlrt_trace_packet(tree, rays.packed, options, packed)
@@ -479,7 +479,7 @@ class Tree:
         rays = Rays(origins, directions, t_min, t_max, skip, row_length, masks)
         lists, packed = new_hit_lists(outputs, rays.shape, in_32_bits(k, "k"))
         options = _options(_abi.QUERY_CLOSEST, None, None, one_mask, pool, counters)
-        if progress:
+        if wants_bar(progress):
             _trace_pieces(library.mlrt_trace_all_hits, tree, rays, options, packed, _abi.HitLists, pool)
             return lists
         check(library.mlrt_trace_all_hits(tree, rays.packed, options, packed))
@@ -537,7 +537,7 @@ class Tree:
         if light_count == 0 and out.occluded is not None and all(array is None for array in out[:-1]):
             return out  # no light has shadows, and nothing else is asked for
         options = _options(_abi.QUERY_CLOSEST, method, isa, mask_word(mask, "mask"), pool, counters, structs)
-        if not progress:
+        if not wants_bar(progress):
             check(library.mlrt_render_tiles(tree, ctypes.byref(struct), options, packed, None, None))
             return out
         with Bar(shape[0] * shape[1], "pixels") as bar:

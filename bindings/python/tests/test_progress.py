@@ -55,6 +55,21 @@ class Progress(unittest.TestCase):
         self.assertEqual((bar.total, sum(bar.steps), bar.closed), (total, total, True))
         return bar
 
+    def test_functions_are_not_progress(self):
+        vertices, faces, origins, directions = integer_scene(21)
+        calls = (
+            lambda: mlrt.Tree(vertices, faces, progress=print),
+            lambda: mlrt.Tree.kdtree(vertices, faces, progress=print),
+            lambda: self.tree.trace(origins, directions, progress=print),
+            lambda: self.tree.occluded(origins, directions, progress=print),
+            lambda: self.tree.hits(origins, directions, k=1, progress=print),
+            lambda: self.tree.render(mlrt.Camera(4, 4, (-1, -1, 5), (0.5, 0, 0), (0, 0.5, 0)), progress=print),
+        )
+        for call in calls:
+            with self.assertRaisesRegex(TypeError, "progress: True or False, not builtin_function_or_method"):
+                call()
+        self.assertEqual(FakeBar.made, [])
+
     def test_pieces_equal_the_whole(self):
         wide = np.zeros((500, 7), np.float32)
         wide[:, 2:5] = self.origins
