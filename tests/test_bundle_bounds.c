@@ -1386,7 +1386,7 @@ static void find_number_of_end(const float *end)
  * Sets `truth` to the least number, in a plane's sign, of points of a slab and a box, for the k that is computed (L21).
  * The plane was loaded last.
  */
-static void find_least_of_slab(const struct mlrt_cell_slab *slab, const struct plane_of_cells *of)
+static void find_least_of_slab(const struct mlrt_cell_slab *slab, const struct mlrt_plane_of_cells *of)
 {
     const double *n = of->plane.normal, *m = slab->normal;
     const double share = (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) / (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
@@ -1420,7 +1420,7 @@ static double attack_ends(const float *input)
     static float numbers[INPUT_LIMIT], ends[END_COUNT][3];
     struct mlrt_array_cells cells;
     struct mlrt_cell_slab slab;
-    struct plane_of_cells of;
+    struct mlrt_plane_of_cells of;
     struct mlrt_triangle triangle;
     double worst = 0;
     const int are_large = (int)(bits_of_float(input[KIND]) & 1);
@@ -1435,7 +1435,7 @@ static double attack_ends(const float *input)
         }
     }
     memcpy(triangle.v, numbers + SLAB, sizeof triangle.v);
-    see_plane_of_cells(&cells, &triangle, &of);
+    mlrt_see_plane_of_cells(&cells, &triangle, &of);
     for (int sign = -1; sign < 2; sign += 2) {
         of.sign = sign;
         if (turn_slab(&cells, 0, &of, &slab)) break;
@@ -1448,16 +1448,16 @@ static double attack_ends(const float *input)
         if (size > 0) worst = fmax(worst, beyond(slab.least, slab.greatest, size * SLAB_ERROR));
     }
     memcpy(triangle.v, numbers, sizeof triangle.v);
-    see_plane_of_cells(&cells, &triangle, &of);
+    mlrt_see_plane_of_cells(&cells, &triangle, &of);
     load_plane(numbers, cells.are_parallel ? NULL : cells.from);
     for (int sign = -1; sign < 2; sign += 2) {
         of.sign = sign;
-        const struct slab_side side = find_slab_side(&slab, &of);
+        const struct mlrt_slab_side side = mlrt_find_slab_side(&slab, &of);
         if (side.error > 0) {
             find_least_of_slab(&slab, &of);
             worst = fmax(worst, error_over(side.nearest - side.room, side.error));
         }
-        for (int i = 0; is_slab_apart(&slab, &of) && i < END_COUNT; i++) {
+        for (int i = 0; mlrt_is_slab_apart(&slab, &of) && i < END_COUNT; i++) {
             find_number_of_end(ends[i]);
             if (mpf_sgn(truth) * sign <= 0) return INFINITY;
         }

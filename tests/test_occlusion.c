@@ -660,6 +660,123 @@ static void points_between_doubled_walls(void **state)
     }
 }
 
+enum { SCREEN_CELLS = 4, SCREEN_SIDE = 64, SCREEN_PITCH = 16 };
+
+/*
+ * A triangle of a screen. Few are as their neighbours expect: there twice, left out, or with one corner elsewhere: one
+ * float, a few rays, or so far that the triangle is folded over one of its neighbours.
+ */
+static void add_part_of_screen(struct soup *soup, struct random *random, float (*corners)[3])
+{
+    const uint32_t flaw = draw_below(random, 24), corner = draw_below(random, 3), axis = draw_below(random, 3);
+    const int turned = draw_below(random, 4) == 0;
+    float *x = &corners[corner][axis];
+    if (flaw == 0) *x = moved_by_floats(*x, draw_below(random, 2) ? 1 : -1);
+    if (flaw == 1) *x += (float)draw_below(random, 5) - 2;
+    if (flaw == 2) *x += 1.75f * SCREEN_PITCH * (draw_below(random, 2) ? 1 : -1);
+    for (uint32_t i = 0; i < (flaw == 3 ? 0 : flaw == 4 ? 2u : 1u); i++)
+        soup_add_triangle(soup, corners[turned], corners[!turned], corners[2]);
+}
+
+/* A screen of triangles with common edges before a wall, over two axes, at height 40 or so over the third. */
+static void add_screen(struct soup *soup, struct random *random, const uint32_t axes[3])
+{
+    float grid[SCREEN_CELLS + 1][SCREEN_CELLS + 1][3];
+    const float bent = draw_below(random, 2) ? 0 : draw_range(random, 0, 9), shifted = (float)draw_below(random, 9) - 4;
+    for (int i = 0; i <= SCREEN_CELLS; i++) {
+        for (int j = 0; j <= SCREEN_CELLS; j++) {
+            grid[i][j][axes[0]] = (float)(i * SCREEN_PITCH + (int)draw_below(random, 9)) + shifted;
+            grid[i][j][axes[1]] = (float)(j * SCREEN_PITCH + (int)draw_below(random, 9)) + shifted;
+            grid[i][j][axes[2]] = 40 + bent * draw_range(random, -1, 1);
+        }
+    }
+    for (int i = 0; i < SCREEN_CELLS; i++) {
+        for (int j = 0; j < SCREEN_CELLS; j++) {
+            const int is_other = (int)draw_below(random, 2);
+            for (int half = 0; half < 2; half++) {
+                float corners[3][3];
+                if (!is_other) {
+                    memcpy(corners[0], grid[i][j], 12);
+                    memcpy(corners[1], grid[i + 1][j + half], 12);
+                    memcpy(corners[2], grid[i + half][j + 1], 12);
+                } else {
+                    memcpy(corners[0], grid[i + 1][j], 12);
+                    memcpy(corners[1], half ? grid[i + 1][j + 1] : grid[i][j + 1], 12);
+                    memcpy(corners[2], half ? grid[i][j + 1] : grid[i][j], 12);
+                }
+                add_part_of_screen(soup, random, corners);
+            }
+        }
+    }
+}
+
+/*
+ * Points behind a screen, as a light sees them, many to a triangle: squares of them are hidden by several triangles
+ * together, or nearly so. A sun along the axis shines exactly at vertices and along edges.
+ */
+static void points_behind_a_screen(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 1; seed <= scaled(60); seed++) {
+        struct random random = {seed};
+        struct soup soup = {0};
+        const uint32_t first = draw_below(&random, 3), axes[3] = {first, (first + 1) % 3, (first + 2) % 3};
+        const float side = draw_below(&random, 2) ? 1 : -1, far = draw_below(&random, 2) ? 1e3f : 90;
+        const int is_slanted = (int)draw_below(&random, 2), skips = (int)draw_below(&random, 2);
+        add_screen(&soup, &random, axes);
+        struct points points = make_points((size_t)SCREEN_SIDE * SCREEN_SIDE);
+        points.row_length = SCREEN_SIDE;
+        for (size_t i = 0; i < points.count; i++) {
+            float *point = points.positions + 3 * i;
+            point[axes[0]] = (float)(i % SCREEN_SIDE);
+            point[axes[1]] = (float)(i / SCREEN_SIDE);
+            point[axes[2]] = 40 - 10 * side;
+            if (draw_below(&random, 2000) == 0) point[axes[2]] = 40 + 20 * side;
+            if (skips && draw_below(&random, 200) == 0) { /* of what hides the point, if that is a triangle's number */
+                const size_t cell = SCREEN_CELLS * (i % SCREEN_SIDE / SCREEN_PITCH) + i / SCREEN_SIDE / SCREEN_PITCH;
+                points.skip[2 * i] = 0;
+                points.skip[2 * i + 1] = 2 * (uint32_t)cell + draw_below(&random, 2);
+            }
+        }
+        mlrt_light lights[] = {light_at(0, 0, 0), light_from(0, 0, 0)};
+        for (uint32_t k = 0; k < 3; k++) {
+            lights[1].position[axes[k]] = k == 2 ? side : is_slanted ? draw_range(&random, -0.25f, 0.25f) : 0;
+            lights[0].position[axes[k]] =
+                (k == 2 ? 40 + far * side : 32) + (is_slanted ? draw_range(&random, -9, 9) : 0);
+        }
+        struct fixture fixture = fixture_of_soup("a screen", seed, &soup);
+        for (size_t l = 0; l < 2; l++) {
+            check(&fixture, &points, &lights[l]);
+            check_shared_vector(&fixture, &points, lights[l].position, lights[l].kind == MLRT_LIGHT_POINT);
+        }
+        free_points(&points);
+        free_fixture(&fixture);
+    }
+}
+
+/* Points behind two triangles as large as floats allow, with a gap between them: leaves do not have their corners. */
+static void points_behind_a_gap_between_large_triangles(void **state)
+{
+    (void)state;
+    enum { SIDE = 64 };
+    for (int turned = 0; turned < 4; turned++) {
+        const float far = 0x1p70f, from[3] = {-9, -9, -90}, to[3] = {9, 9, -80};
+        const float left[3][3] = {{0, -far, 40}, {0, far, 40}, {-far, 0, 40}};
+        const float right[3][3] = {{0.5f, far, 40}, {0.5f, -far, 40}, {far, 0, 40}};
+        struct soup soup = {0};
+        soup_add_box(&soup, from, to);
+        soup_add_triangle(&soup, left[turned & 1], left[!(turned & 1)], left[2]);
+        soup_add_triangle(&soup, right[turned >> 1], right[!(turned >> 1)], right[2]);
+        struct fixture fixture = fixture_of_soup("a gap", (uint64_t)turned, &soup);
+        struct points points = make_square(SIDE, 0.125f);
+        for (size_t i = 0; i < points.count; i++) points.positions[3 * i] -= 3;
+        const mlrt_light lights[] = {light_from(0.001f, 0.01f, 1), light_at(0.5f, 4, 90)};
+        for (size_t l = 0; l < 2; l++) check(&fixture, &points, &lights[l]);
+        free_points(&points);
+        free_fixture(&fixture);
+    }
+}
+
 /*
  * Parallel rays that begin in all corners of a scene as large as floats allow, but one. In that corner a triangle lies
  * so far behind all of them that the distance is no float; another triangle lies before some.
@@ -801,6 +918,8 @@ int main(void)
         cmocka_unit_test(squares_that_skip_two_triangles),
         cmocka_unit_test(squares_of_which_whole_blocks_are_not_finite),
         cmocka_unit_test(points_between_doubled_walls),
+        cmocka_unit_test(points_behind_a_screen),
+        cmocka_unit_test(points_behind_a_gap_between_large_triangles),
         cmocka_unit_test(points_farther_apart_than_a_float),
         cmocka_unit_test(points_in_a_short_last_row),
         cmocka_unit_test(a_chip_before_the_edge_of_each_square),

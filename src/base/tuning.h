@@ -25,11 +25,21 @@
 #ifndef MLRT_SQUARE_RUN
 #define MLRT_SQUARE_RUN 3
 #endif
+
 #ifndef MLRT_FIRST_OPEN_TILES
 #define MLRT_FIRST_OPEN_TILES 0
 #endif
 #ifndef MLRT_FIRST_OPEN_SQUARES
 #define MLRT_FIRST_OPEN_SQUARES 0
+#endif
+
+/*
+ * If most cells of a square that triangles hide in part are opened in the end, no cells of the next square wait for
+ * further parts of a cover. If that is so again, none of the next 3, then 7, up to so many, one less than a power of
+ * two. Zen 5, suns of sponza without this rule: 0.95.
+ */
+#ifndef MLRT_LONE_SQUARE_RUN
+#define MLRT_LONE_SQUARE_RUN 63
 #endif
 
 /*

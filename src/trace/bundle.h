@@ -258,6 +258,30 @@ struct mlrt_bundle_cache {
     struct mlrt_pair_line lines[1u << MLRT_PAIR_LINE_BITS];
 };
 
+/* An edge of a triangle inside of which not all rays of a cell pass. */
+struct mlrt_open_edge {
+    float first[3]; /* its ends: the inside is on one side for all edges of a cell */
+    float last[3];
+    uint32_t number; /* of the triangle */
+    uint32_t other;  /* the edge of another triangle that is this one, turned; MLRT_NONE */
+};
+
+#define MLRT_MOST_OPEN_EDGES 24
+
+/* The open edges of what hides a cell in part (cover_parts.h). */
+struct mlrt_cell_parts {
+    uint32_t count;
+    struct mlrt_open_edge edges[MLRT_MOST_OPEN_EDGES];
+};
+
+/* Of the cells of a square. */
+struct mlrt_cover_parts {
+    uint32_t lone_squares; /* in how many squares, from this one on, no cell waits for further parts */
+    uint32_t lone_run;     /* and how many they were at first */
+    uint32_t waited;       /* cells that have had a part */
+    struct mlrt_cell_parts cells[MLRT_BUNDLE_PACKETS];
+};
+
 /*
  * What a worker keeps. Pairs are for closest hits and for any hit, since a picture's tiles and their shadows take
  * turns.
@@ -269,6 +293,7 @@ struct mlrt_bundles {
     uint32_t open_squares;    /* how many of the next squares are traced tile by tile */
     struct mlrt_bundle_cache caches[2];
     struct mlrt_kept_surface surfaces[MLRT_KEPT_SURFACES]; /* that a picture's rays hit, if it has lights */
+    struct mlrt_cover_parts parts;
 };
 
 #endif

@@ -13,6 +13,7 @@
 
 #include <math.h>
 
+#include "job/write_arrays.h"
 #include "rays/extremes.h"
 #include "rays/read_arrays.h"
 #include "rays/rectangle.h"
@@ -22,8 +23,6 @@
 #include "trace/cells.h"
 #include "trace/leaf.h"
 #include "trace/plane_order.h"
-
-#define SLAB_ERROR 0x1p-46 /* L21 */
 
 /* The tile of a square that a cell stands for. */
 MLRT_INLINE struct mlrt_rectangle tile_of_cell(const struct mlrt_rectangle *area, uint32_t place)
@@ -59,78 +58,17 @@ MLRT_INLINE uint32_t lanes_with_pair(const struct mlrt_array_layout *skip, size_
     return lanes;
 }
 
-/* Sets `pair` to the mesh and triangle by which rays skip the triangle `number`. Returns 0 if no ray can. */
-static int pair_of_number(const struct mlrt_array_cells *cells, uint32_t number, uint32_t pair[2])
-{
-    const struct mlrt_tree *tree = cells->reader.source->tree;
-    if (!cells->reader.skip.data) return 0;
-    pair[0] = tree->meshes.ids[mlrt_mesh_of_triangle(tree, number)];
-    const struct mlrt_mesh_range mesh = mlrt_find_mesh(tree, pair[0]);
-    pair[1] = number - mesh.first;
-    return pair[1] < mesh.count;
-}
-
 /* Does a ray of a cell skip the triangle `number`? */
 static MLRT_NOINLINE int cell_skips(const struct mlrt_array_cells *cells, uint32_t place, uint32_t number)
 {
     const struct mlrt_rectangle tile = tile_of_cell(&cells->area, place);
     uint32_t pair[2];
-    if (!pair_of_number(cells, number, pair)) return 0;
+    if (!cells->reader.skip.data) return 0;
+    mlrt_find_ids(cells->reader.source->tree, number, &pair[0], &pair[1]);
     for (uint32_t block = 0; block < 16; ++block) {
         if (lanes_with_pair(&cells->reader.skip, element_of_block(cells, &tile, block), pair)) return 1;
     }
     return 0;
-}
-
-/* A plane, as rays of cells see it: of the point e of a ray, which is d or o, N - D or N is `distance` - normal . e. */
-struct plane_of_cells {
-    struct mlrt_plane plane;
-    double distance;
-    double size; /* of `distance`: what its error is relative to */
-    double sign; /* of the numbers that let a ray pass */
-};
-
-/* Sets a plane, but for the sign, which differs from cell to cell. */
-static void see_plane_of_cells(const struct mlrt_array_cells *cells, const struct mlrt_triangle *triangle,
-                               struct plane_of_cells *of)
-{
-    mlrt_set_plane(triangle, &of->plane);
-    of->distance = of->size = 0;
-    for (int k = 0; k < 3; ++k) {
-        const double to = of->plane.point[k] - (cells->are_parallel ? 0 : (double)cells->from[k]);
-        of->distance += to * of->plane.normal[k];
-        of->size += fabs(to) * of->plane.size[k];
-    }
-}
-
-/* Where a slab lies: numbers of its points are at least `nearest` - `room` in the plane's sign, but for `error`. */
-struct slab_side {
-    double nearest;
-    double room;
-    double error;
-};
-
-MLRT_INLINE struct slab_side find_slab_side(const struct mlrt_cell_slab *slab, const struct plane_of_cells *of)
-{
-    const double *n = of->plane.normal, *m = slab->normal;
-    const double share = (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) / (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
-    double middle = of->distance - share * slab->distance, size = of->size + fabs(share * slab->distance), room = 0;
-    for (int k = 0; k < 3; ++k) {
-        const double rest = n[k] - share * m[k], lo = slab->lo[k], hi = slab->hi[k];
-        middle -= rest * (0.5 * (lo + hi));
-        room += fabs(rest) * (0.5 * (hi - lo));
-        size += (of->plane.size[k] + fabs(share * m[k])) * (-lo > hi ? -lo : hi);
-    }
-    const double one = share * slab->least, two = share * slab->greatest;
-    const double end = (one < two) == (of->sign > 0) ? one : two; /* the one that is nearer to the plane */
-    return (struct slab_side){(middle + end) * of->sign, room, size * SLAB_ERROR};
-}
-
-/* Is a slab on the side of a plane where rays do not reach it? */
-static int is_slab_apart(const struct mlrt_cell_slab *slab, const struct plane_of_cells *of)
-{
-    const struct slab_side side = find_slab_side(slab, of);
-    return side.nearest > side.room + side.error;
 }
 
 /* Sets the slab of a cell to its box, whose extremes are given from an axis on. */
@@ -151,7 +89,7 @@ MLRT_INLINE void set_box(const struct extremes from_axis[3], int axis, struct ml
  * Turns the slab of a cell so that it is parallel to a plane, if the cell is apart from that plane. Returns 0 if it is
  * not. The components of the slab's normal sum to 1/4: so heights do not overflow (L21).
  */
-static int turn_slab(const struct mlrt_array_cells *cells, uint32_t place, const struct plane_of_cells *of,
+static int turn_slab(const struct mlrt_array_cells *cells, uint32_t place, const struct mlrt_plane_of_cells *of,
                      struct mlrt_cell_slab *slab)
 {
     const struct mlrt_rectangle tile = tile_of_cell(&cells->area, place);
@@ -177,7 +115,7 @@ static int turn_slab(const struct mlrt_array_cells *cells, uint32_t place, const
         const float least = v_hmin(all.least), greatest = -v_hmin(all.negated);
         turned.least = least - fabsf(least) * SLOPE_SLACK - HULL_FLOOR;
         turned.greatest = greatest + fabsf(greatest) * SLOPE_SLACK + HULL_FLOOR;
-        if (!is_slab_apart(&turned, of)) return 0;
+        if (!mlrt_is_slab_apart(&turned, of)) return 0;
     }
     *slab = turned;
     return 1;
@@ -191,18 +129,18 @@ static MLRT_NOINLINE uint32_t find_cells_apart(const struct mlrt_tree *tree, con
                                                uint32_t number, uint32_t places, uint32_t at_end, uint32_t backward)
 {
     struct mlrt_array_cells *cells = bundle->arrays;
-    struct plane_of_cells of;
+    struct mlrt_plane_of_cells of;
     uint32_t apart = 0;
     places &= cells->are_parallel ? ~at_end : cells->have_ends ? at_end : 0;
     if (!places) return 0;
     const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
-    see_plane_of_cells(cells, &triangle, &of);
+    mlrt_see_plane_of_cells(cells, &triangle, &of);
     if ((bundle->waist.sign < 0) != cells->are_parallel) backward = ~backward;
     for (; places; places &= places - 1) {
         const uint32_t place = mlrt_lowest_bit(places), bit = places & (0u - places);
         struct mlrt_cell_slab *slab = &cells->slabs[place];
         of.sign = backward & bit ? -1 : 1;
-        if (bundle->hulls.closed.skip[place] == number || is_slab_apart(slab, &of) ||
+        if (bundle->hulls.closed.skip[place] == number || mlrt_is_slab_apart(slab, &of) ||
             turn_slab(cells, place, &of, slab))
             apart |= bit;
     }

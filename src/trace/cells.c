@@ -93,3 +93,31 @@ int mlrt_sample_camera_cells(const struct mlrt_view *given, float unit, const st
     }
     return mlrt_set_apex(view->eye, unit, waist);
 }
+
+void mlrt_see_plane_of_cells(const struct mlrt_array_cells *cells, const struct mlrt_triangle *triangle,
+                             struct mlrt_plane_of_cells *of)
+{
+    mlrt_set_plane(triangle, &of->plane);
+    of->distance = of->size = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double to = of->plane.point[k] - (cells->are_parallel ? 0 : (double)cells->from[k]);
+        of->distance += to * of->plane.normal[k];
+        of->size += fabs(to) * of->plane.size[k];
+    }
+}
+
+struct mlrt_slab_side mlrt_find_slab_side(const struct mlrt_cell_slab *slab, const struct mlrt_plane_of_cells *of)
+{
+    const double *n = of->plane.normal, *m = slab->normal;
+    const double share = (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) / (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+    double middle = of->distance - share * slab->distance, size = of->size + fabs(share * slab->distance), room = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double rest = n[k] - share * m[k], lo = slab->lo[k], hi = slab->hi[k];
+        middle -= rest * (0.5 * (lo + hi));
+        room += fabs(rest) * (0.5 * (hi - lo));
+        size += (of->plane.size[k] + fabs(share * m[k])) * (-lo > hi ? -lo : hi);
+    }
+    const double one = share * slab->least, two = share * slab->greatest;
+    const double end = (one < two) == (of->sign > 0) ? one : two; /* the one that is nearer to the plane */
+    return (struct mlrt_slab_side){(middle + end) * of->sign, room, size * SLAB_ERROR};
+}

@@ -8,6 +8,7 @@
 #include "rays/array_layout.h"
 #include "rays/rectangle.h"
 #include "trace/bundle.h"
+#include "trace/plane_order.h"
 #include "trace/ray_tile.h"
 
 /* Makes a point the waist. Returns 0 if it is not exact in units, or if float does not carry it. */
@@ -55,5 +56,35 @@ struct mlrt_array_cells {
     float unit;     /* of the bundle */
     struct mlrt_cell_slab slabs[MLRT_BUNDLE_PACKETS];
 };
+
+/* A plane, as rays of cells see it: of the point e of a ray, which is d or o, N - D or N is `distance` - normal . e. */
+struct mlrt_plane_of_cells {
+    struct mlrt_plane plane;
+    double distance;
+    double size; /* of `distance`: what its error is relative to */
+    double sign; /* of the numbers that let a ray pass */
+};
+
+/* Sets a plane, but for the sign, which differs from cell to cell. */
+void mlrt_see_plane_of_cells(const struct mlrt_array_cells *cells, const struct mlrt_triangle *triangle,
+                             struct mlrt_plane_of_cells *of);
+
+#define SLAB_ERROR 0x1p-46 /* L21 */
+
+/* Where a slab lies: numbers of its points are at least `nearest` - `room` in the plane's sign, but for `error`. */
+struct mlrt_slab_side {
+    double nearest;
+    double room;
+    double error;
+};
+
+struct mlrt_slab_side mlrt_find_slab_side(const struct mlrt_cell_slab *slab, const struct mlrt_plane_of_cells *of);
+
+/* Is a slab on the side of a plane where rays do not reach it? */
+static inline int mlrt_is_slab_apart(const struct mlrt_cell_slab *slab, const struct mlrt_plane_of_cells *of)
+{
+    const struct mlrt_slab_side side = mlrt_find_slab_side(slab, of);
+    return side.nearest > side.room + side.error;
+}
 
 #endif

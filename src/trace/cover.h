@@ -27,6 +27,9 @@
  * BEGINS AND ENDS (L15). Rays begin on surfaces, and end on them. Whether they reach a triangle there is decided in
  * double, lane by lane, as in leaf.h; for tiles of arrays, whose rays are not made, by cell_ends.h.
  *
+ * COVERS OF SEVERAL TRIANGLES (L22). Where any hit will do, a cell of arrays stays closed although a triangle hides only
+ * some of its rays: cover_parts.c finds out whether others hide the rest. If not, it is opened at the end.
+ *
  * CELLS OF A LIGHT (L20). The rays of such a packet skip a triangle S, and end before its plane, on the light's side
  * (shadow_ray.h). The hull contains the direction to a point of S, and D of S has one sign over it (find_order). So all
  * rays go towards S, and end at a t below that of S. A triangle that is met behind S, by the line, or that lies in the
@@ -47,6 +50,7 @@
 #include "simd/simd.h"
 #include "trace/bundle.h"
 #include "trace/cell_ends.h"
+#include "trace/cover_parts.h"
 #include "trace/ray_hulls.h"
 #include "trace/leaf.h"
 #include "trace/make_rays.h"
@@ -373,18 +377,15 @@ static MLRT_NOINLINE uint32_t find_packets_behind(const struct mlrt_job *job, st
     return behind;
 }
 
-/*
- * Tests a triangle against the hulls of the packets `among`. Opens closed packets where that is needed. Returns the
- * open packets whose rays may hit the triangle. Where any hit will do, packets that it covers are done and leave the
- * bundle.
- */
-MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                         struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                         uint32_t triangle, uint32_t among, int has_places)
+/* Tests a triangle against the hulls of the packets `among`, and sets covers. */
+MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                                            struct mlrt_bundle *bundle,
+                                                            const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
+                                                            uint32_t among, int has_places)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     const uint32_t number = leaf->numbers[triangle];
-    uint32_t may = 0, covered = 0, left_alone = 0;
+    struct mlrt_offered_packets offered = {0, 0, 0, 0};
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         if (!(among >> v & ALL_LANES)) continue;
         /* With places, outlines are not compared: they cost about as much as edges. */
@@ -393,7 +394,7 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         struct triangle_of_packets of;
         see_triangle_of_packets(hulls, leaf, triangle, v, has_places, &of);
         if (!(seeing & ~m_bits(of.out) & bundle->state.closed >> v)) {
-            may |= (seeing & ~m_bits(of.out)) << v;
+            offered.may |= (seeing & ~m_bits(of.out)) << v;
             continue;
         }
         bound_depths(hulls, leaf, triangle, v, has_places, &of);
@@ -445,41 +446,51 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
             if (lanes == bundle->tile->packets[place].active) met &= ~bit;
             if (lanes) skipping |= bit;
         }
-        may |= met << v;
-        left_alone |= m_bits(known) << v;
+        offered.may |= (met & ~(m_bits(known) & bundle->state.closed >> v)) << v;
         const uint32_t closed = met & bundle->state.closed >> v & ~(m_bits(known) | skipping);
         const uint32_t these = m_bits(covers) & closed;
         if (these) {
             const vm kept = m_from_bits(these);
-            covered |= these << v;
+            offered.covered |= these << v;
             v_store(hulls->last + v, v_select(kept, v_min(of.far, last), last));
             v_store(hulls->closed.cover_near + v, v_select(kept, of.near, cover_near));
             i_store(hulls->closed.cover + v, i_select(kept, i_set1(number), i_load(hulls->closed.cover + v)));
         }
+        offered.in_part |= (closed & ~these & m_bits(m_and(of.sure, core))) << v;
+        offered.backward |= m_bits(of.backward) << v;
         const uint32_t doubtful = job->any ? 0 : closed & ~these;
         if (!doubtful) continue;
-        may &= ~(settle_covers(job, worker, bundle, number, doubtful, m_bits(m_and(of.inside, core)), v, &of) << v);
+        offered.may &=
+            ~(settle_covers(job, worker, bundle, number, doubtful, m_bits(m_and(of.inside, core)), v, &of) << v);
     }
-    may &= among & ~covered & ~(left_alone & bundle->state.closed);
-    for (uint32_t left = may & bundle->state.closed; left; left &= left - 1)
+    return offered;
+}
+
+/*
+ * Offers a triangle to the packets `among`. Opens closed packets where that is needed. Returns the open packets whose
+ * rays may hit the triangle. Where any hit will do, packets that it covers are done and leave the bundle.
+ */
+static MLRT_NOINLINE uint32_t offer_to_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                               struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                               uint32_t triangle, uint32_t among)
+{
+    struct mlrt_offered_packets of = bundle->has.places
+                                         ? offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 1)
+                                         : offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 0);
+    of.may &= among & ~of.covered;
+    if (bundle->arrays && of.in_part && !worker->bundles->parts.lone_squares)
+        mlrt_add_cover_part(bundle, leaf, triangle, cell_skips, &worker->bundles->parts, &of);
+    for (uint32_t left = of.may & bundle->state.closed; left; left &= left - 1)
         open_bundle_packet(job, bundle, mlrt_lowest_bit(left));
-    if (job->any) bundle->state.covered |= covered;
-    for (uint32_t left = job->any ? covered : 0; left; left &= left - 1) {
+    if (job->any) bundle->state.covered |= of.covered;
+    for (uint32_t left = job->any ? of.covered : 0; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         leave_bundle(bundle, place);
         if (!has_rays(bundle, place)) continue;
         finish_untouched_packet(bundle, place);
         bundle->tile->packets[place].active = 0;
     }
-    return may & bundle->state.going;
-}
-
-static MLRT_NOINLINE uint32_t offer_to_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                               struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                               uint32_t triangle, uint32_t among)
-{
-    return bundle->has.places ? offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 1)
-                              : offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 0);
+    return of.may & bundle->state.going;
 }
 
 #endif

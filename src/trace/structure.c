@@ -71,6 +71,7 @@ static size_t lay_out(const struct mlrt_job *job, unsigned char *memory, struct 
         }
         for (int i = 0; job->light_count && i < MLRT_KEPT_SURFACES; ++i) bundles->surfaces[i].light = NULL;
         bundles->open_tiles = MLRT_FIRST_OPEN_TILES;
+        bundles->parts.lone_squares = bundles->parts.lone_run = bundles->parts.waited = 0;
         bundles->open_squares = MLRT_FIRST_OPEN_SQUARES;
         worker->bundles = bundles;
     }

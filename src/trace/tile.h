@@ -535,6 +535,7 @@ static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_wo
     bundle->far_first = job->any && ends_closer(bundle);
     keep_bundle_waist(&bundle->waist, bundle->cache);
     trace_going_packets(job, worker, bundle);
+    if (bundle->arrays) mlrt_end_cover_parts(bundle, &worker->bundles->parts);
     if (bundle->state.set_aside) trace_packets_by_lanes(job, worker, bundle->tile, bundle->state.set_aside);
 }
 

@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Covers of several triangles. Each triangle that hides a cell in part adds its open edges to the cell: those inside of
+ * which not all rays are known to pass. A new triangle whose open edges are all edges of others, too, may be the last
+ * part of a cover. It is if triangles are left when, over and over, each is dropped that has an open edge of its own.
+ */
+#include "trace/cover_parts.h"
+
+#include <string.h>
+
+#include "simd/quad.h"
+
+/* As in leaf.h. */
+#define EDGE_ERROR (14 * 0x1p-24f)
+
+/* The lanes that are surely above 0: not those that are NaN. */
+static uint32_t lanes_above(f4 a)
+{
+    return f4_zeros(f4_sub(a, f4_abs(a))) & ~f4_zeros(a);
+}
+
+/*
+ * Finds the open edges of a triangle for four cells: open[i] has a bit for each cell for which edge i is. `sign` is that
+ * of D, as the leaf is set up.
+ */
+static void find_open_edges(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
+                            uint32_t first, float sign, uint32_t open[3])
+{
+    const struct mlrt_filter_hulls *hulls = &bundle->hulls.filter;
+    const int term_count = bundle->has.places ? MLRT_RAY_TERMS : 2;
+    const f4 reach = f4_load(hulls->reach + first);
+    f4 bound = f4_mul(f4_set1(2 * EDGE_ERROR), reach);
+    if (bundle->has.places) {
+        const f4 steepness = f4_set1(2 * leaf->edges.steepness[triangle]);
+        bound = f4_add(f4_mul(steepness, f4_mul(f4_load(hulls->blur + first), reach)), bound);
+    }
+    for (int edge = 0; edge < 3; ++edge) {
+        f4 middle = f4_set1(leaf->edges.constant[edge][triangle]), radius = f4_set1(0);
+        for (int i = 0; i < term_count; ++i) {
+            const f4 c = f4_set1(leaf->edges.coefficient[edge][i][triangle]);
+            middle = f4_add(f4_mul(c, f4_load(hulls->middle[i] + first)), middle);
+            radius = f4_add(f4_mul(f4_abs(c), f4_load(hulls->radius[i] + first)), radius);
+        }
+        open[edge] = ~lanes_above(f4_sub(f4_sub(f4_flip(middle, sign), radius), bound));
+    }
+}
+
+/* Counts a new edge of a cell, and finds the one that is the same. Returns 0 if there is none. */
+static int add_edge(struct mlrt_cell_parts *cell)
+{
+    struct mlrt_open_edge *edge = &cell->edges[cell->count], *other = cell->edges;
+    edge->other = MLRT_NONE;
+    for (; other != edge; ++other) {
+        if (memcmp(other->first, edge->last, sizeof edge->last) != 0) continue;
+        if (memcmp(other->last, edge->first, sizeof edge->first) != 0 || other->other != MLRT_NONE) continue;
+        other->other = cell->count;
+        edge->other = (uint32_t)(other - cell->edges);
+        break;
+    }
+    ++cell->count;
+    return other != edge;
+}
+
+/* Returns the edges of those triangles of a cell that share all of their open edges. */
+static uint32_t find_shared(const struct mlrt_open_edge *edges, uint32_t count)
+{
+    uint32_t shared = (1u << count) - 1, before;
+    do {
+        before = shared;
+        for (uint32_t i = 0; i < count; ++i) {
+            if (!(shared >> i & 1) || (edges[i].other != MLRT_NONE && shared >> edges[i].other & 1)) continue;
+            for (uint32_t j = 0; j < count; ++j) shared &= ~((uint32_t)(edges[j].number == edges[i].number) << j);
+        }
+    } while (shared != before);
+    return shared;
+}
+
+/*
+ * Adds a triangle to a cell, whose bit in open[i] tells whether edge i is open. Returns the edges of a cover of which it
+ * is the last part, or 0.
+ */
+static uint32_t add_to_cell(const struct mlrt_bundle_leaf *leaf, uint32_t triangle, int is_backward,
+                            const uint32_t open[3], uint32_t bit, struct mlrt_cell_parts *cell)
+{
+    int is_last = 1;
+    for (uint32_t i = 0; i < cell->count; ++i) {
+        if (cell->edges[i].number == leaf->numbers[triangle]) return 0; /* it lies in several leaves */
+    }
+    for (uint32_t i = 0; i < 3; ++i) {
+        const float *from = leaf->corners + 3 * (size_t)leaf->row * i + triangle;
+        const float *to = leaf->corners + 3 * (size_t)leaf->row * ((i + 1) % 3) + triangle;
+        struct mlrt_open_edge *edge = &cell->edges[cell->count];
+        if (!(open[i] >> bit & 1)) continue;
+        for (size_t k = 0; k < 3; ++k) {
+            edge->first[k] = (is_backward ? to : from)[k * leaf->row];
+            edge->last[k] = (is_backward ? from : to)[k * leaf->row];
+        }
+        edge->number = leaf->numbers[triangle];
+        is_last &= add_edge(cell);
+    }
+    return is_last ? find_shared(cell->edges, cell->count) : 0;
+}
+
+void mlrt_add_cover_part(struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
+                         mlrt_cell_test *skips, struct mlrt_cover_parts *parts, struct mlrt_offered_packets *offered)
+{
+    const int is_backward = offered->backward >> mlrt_lowest_bit(offered->in_part) & 1;
+    const float sign = (int)(leaf->state.flipped >> triangle & 1) != is_backward ? -1.0f : 1.0f;
+    uint32_t open[3] = {0, 0, 0}, ready = 0, left = offered->in_part;
+    left &= is_backward ? offered->backward : ~offered->backward; /* the sign is nearly always that of all */
+    if (MLRT_UNLIKELY(leaf->state.odd >> triangle & 1)) return;   /* the leaf does not have its corners (bvh/unit.h) */
+    for (; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left), first = place & ~3u;
+        struct mlrt_cell_parts *cell = &parts->cells[place];
+        if (!(parts->waited >> place & 1)) cell->count = 0;
+        if (cell->count + 3 > MLRT_MOST_OPEN_EDGES) continue;
+        if (!(ready >> first & 1)) find_open_edges(bundle, leaf, triangle, first, sign, open);
+        ready |= 1u << first;
+        uint32_t cover = add_to_cell(leaf, triangle, is_backward, open, place % 4, cell), last = MLRT_NONE;
+        parts->waited |= 1u << place;
+        offered->may &= ~(1u << place);
+        if (!cover) continue;
+        for (; cover; cover &= cover - 1) {
+            const uint32_t number = cell->edges[mlrt_lowest_bit(cover)].number;
+            if (number != last && skips(bundle->arrays, place, last = number)) break;
+        }
+        if (cover) continue;
+        bundle->hulls.closed.cover[place] = leaf->numbers[triangle];
+        offered->covered |= 1u << place;
+    }
+}
+
+void mlrt_end_cover_parts(struct mlrt_bundle *bundle, struct mlrt_cover_parts *parts)
+{
+    const uint32_t waited = parts->waited;
+    parts->waited = 0;
+    bundle->state.closed &= ~(waited & bundle->state.going);
+    if (parts->lone_squares) {
+        --parts->lone_squares;
+    } else if (waited) {
+        const int is_vain = 2 * mlrt_count_bits(waited & bundle->state.covered) < mlrt_count_bits(waited);
+        parts->lone_run = is_vain ? (2 * parts->lone_run + 1) & MLRT_LONE_SQUARE_RUN : 0;
+        parts->lone_squares = parts->lone_run;
+    }
+}
