@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Limits of slopes as seen from an apex or a waist, for the kernels and for the files that make cells. */
+/* Limits of slopes, and of |d_main|, as seen from an apex or a waist, for the kernels and for the files that make cells. */
 #ifndef MLRT_RAYS_SLOPE_LIMITS_H
 #define MLRT_RAYS_SLOPE_LIMITS_H
 
@@ -19,5 +19,12 @@
  * gather_camera_cells (trace/camera_cells.h).
  */
 #define SLOPE_FLOOR 0x1p-100f
+
+/* A bundle has only rays whose |d_main|, in units, is between these: t is divided and multiplied by it. */
+#define LEAST_PACE    0x1p-125f
+#define GREATEST_PACE 0x1p125f
+
+/* The least slope besides 0: SLOPE_SLACK of much smaller ones underflows. */
+#define LEAST_SLOPE 0x1p-100f
 
 #endif

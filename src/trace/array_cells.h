@@ -156,44 +156,6 @@ static enum array_kind add_array_cell(struct mlrt_array_cells *cells, const stru
     return kind == HAS_HULL ? set_array_cell(cells, &of, place, bundle) : kind;
 }
 
-/* Begins cells of parallel rays. Returns 0 if float does not carry them. */
-static int begin_parallel_cells(const struct mlrt_bvh *bvh, struct mlrt_array_cells *cells, struct mlrt_waist *waist)
-{
-    const float *direction = (const float *)(const void *)cells->reader.directions.data;
-    mlrt_set_main_axis(direction, waist);
-    const float given = fabsf(direction[waist->main_axis]), pace = given * bvh->unit;
-    int fits = pace >= LEAST_PACE && pace <= GREATEST_PACE && given <= GREATEST_PACE;
-    waist->is_beam = 1;
-    for (int i = 0; i < 2; ++i) {
-        const float slope = direction[mlrt_slope_axis(waist->main_axis, i)] * (1 / given);
-        waist->slope[i] = cells->slope[i] = slope;
-        fits &= fabsf(slope) >= LEAST_SLOPE || direction[mlrt_slope_axis(waist->main_axis, i)] == 0;
-    }
-    for (int k = 0; k < 3; ++k) {
-        cells->middle[k] = 0.5f * (bvh->core.lo[k] + bvh->core.hi[k]) / bvh->unit;
-        fits &= fabsf(cells->middle[k]) < 0x1p100f; /* differences from it do not overflow */
-    }
-    cells->vectors = &cells->reader.points;
-    cells->from = cells->middle;
-    return fits && mlrt_set_apex(cells->middle, bvh->unit, waist);
-}
-
-/* Begins cells of rays from one point. `first` is the element of one ray, which gives the main axis. */
-static int begin_apex_cells(const struct mlrt_source *source, size_t first, float unit, struct mlrt_array_cells *cells,
-                            struct mlrt_waist *waist)
-{
-    const int is_light = source->kind == MLRT_SOURCE_POINT_LIGHT;
-    const float *point = is_light ? source->light : (const float *)(const void *)cells->reader.points.data;
-    float direction[3];
-    cells->vectors = is_light ? &cells->reader.points : &cells->reader.directions;
-    cells->from = is_light ? source->light : NULL;
-    cells->have_ends = is_light;
-    memcpy(direction, cells->vectors->data + first * cells->vectors->stride, sizeof direction);
-    for (int k = 0; k < 3; ++k) direction[k] -= is_light ? source->light[k] : 0;
-    mlrt_set_main_axis(direction, waist);
-    return mlrt_set_apex(point, unit, waist);
-}
-
 /* Makes a bundle of the tiles of any-hit rays in `area`, which refers to *cells. Returns 0 if there is none. */
 static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area,
                               struct mlrt_array_cells *cells, struct mlrt_bundle *bundle)
@@ -213,14 +175,14 @@ static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rect
     bundle->scene.unit = cells->unit = job->tree->bvh.unit;
     begin_cells(0, bundle);
     bundle->arrays = cells;
-    if (cells->are_parallel && !begin_parallel_cells(&job->tree->bvh, cells, &bundle->waist)) return 0;
+    if (cells->are_parallel && !mlrt_begin_parallel_cells(&job->tree->bvh, cells, &bundle->waist)) return 0;
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
         const struct mlrt_rectangle tile = tile_of_cell(area, place);
         const size_t first = (size_t)tile.y * source->width + tile.x;
         if (16 * (place % 4) >= area->width || 16 * (place / 4) >= area->height) continue;
         if (!is_whole_tile(source, &tile)) continue;
         if (!there && !cells->are_parallel &&
-            !begin_apex_cells(source, first, bundle->scene.unit, cells, &bundle->waist))
+            !mlrt_begin_apex_cells(source, first, bundle->scene.unit, cells, &bundle->waist))
             return 0;
         const enum array_kind kind = add_array_cell(cells, &tile, &known, place, bundle);
         there |= (uint32_t)(kind == HAS_HULL) << place;

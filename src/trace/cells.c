@@ -5,8 +5,10 @@
 #include "trace/cells.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "exact/triangle.h"
+#include "rays/slope_limits.h"
 
 int mlrt_set_apex(const float point[3], float unit, struct mlrt_waist *waist)
 {
@@ -92,6 +94,42 @@ int mlrt_sample_camera_cells(const struct mlrt_view *given, float unit, const st
         }
     }
     return mlrt_set_apex(view->eye, unit, waist);
+}
+
+int mlrt_begin_parallel_cells(const struct mlrt_bvh *bvh, struct mlrt_array_cells *cells, struct mlrt_waist *waist)
+{
+    const float *direction = (const float *)(const void *)cells->reader.directions.data;
+    mlrt_set_main_axis(direction, waist);
+    const float given = fabsf(direction[waist->main_axis]), pace = given * bvh->unit;
+    int fits = pace >= LEAST_PACE && pace <= GREATEST_PACE && given <= GREATEST_PACE;
+    waist->is_beam = 1;
+    for (int i = 0; i < 2; ++i) {
+        const float slope = direction[mlrt_slope_axis(waist->main_axis, i)] * (1 / given);
+        waist->slope[i] = cells->slope[i] = slope;
+        fits &= fabsf(slope) >= LEAST_SLOPE || direction[mlrt_slope_axis(waist->main_axis, i)] == 0;
+    }
+    for (int k = 0; k < 3; ++k) {
+        cells->middle[k] = 0.5f * (bvh->core.lo[k] + bvh->core.hi[k]) / bvh->unit;
+        fits &= fabsf(cells->middle[k]) < 0x1p100f; /* differences from it do not overflow */
+    }
+    cells->vectors = &cells->reader.points;
+    cells->from = cells->middle;
+    return fits && mlrt_set_apex(cells->middle, bvh->unit, waist);
+}
+
+int mlrt_begin_apex_cells(const struct mlrt_source *source, size_t first, float unit, struct mlrt_array_cells *cells,
+                          struct mlrt_waist *waist)
+{
+    const int is_light = source->kind == MLRT_SOURCE_POINT_LIGHT;
+    const float *point = is_light ? source->light : (const float *)(const void *)cells->reader.points.data;
+    float direction[3];
+    cells->vectors = is_light ? &cells->reader.points : &cells->reader.directions;
+    cells->from = is_light ? source->light : NULL;
+    cells->have_ends = is_light;
+    memcpy(direction, cells->vectors->data + first * cells->vectors->stride, sizeof direction);
+    for (int k = 0; k < 3; ++k) direction[k] -= is_light ? source->light[k] : 0;
+    mlrt_set_main_axis(direction, waist);
+    return mlrt_set_apex(point, unit, waist);
 }
 
 void mlrt_see_plane_of_cells(const struct mlrt_array_cells *cells, const struct mlrt_triangle *triangle,

@@ -57,6 +57,13 @@ struct mlrt_array_cells {
     struct mlrt_cell_slab slabs[MLRT_BUNDLE_PACKETS];
 };
 
+/* Begins cells of parallel rays. Returns 0 if float does not carry them. */
+int mlrt_begin_parallel_cells(const struct mlrt_bvh *bvh, struct mlrt_array_cells *cells, struct mlrt_waist *waist);
+
+/* Begins cells of rays from one point. `first` is the element of one ray, which gives the main axis. */
+int mlrt_begin_apex_cells(const struct mlrt_source *source, size_t first, float unit, struct mlrt_array_cells *cells,
+                          struct mlrt_waist *waist);
+
 /* A plane, as rays of cells see it: of the point e of a ray, which is d or o, N - D or N is `distance` - normal . e. */
 struct mlrt_plane_of_cells {
     struct mlrt_plane plane;

@@ -63,13 +63,6 @@ MLRT_INLINE vf origin_component(const struct mlrt_packet *packet, int k, int v)
     return packet->has.apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
 }
 
-/* A bundle has only rays whose |d_main|, in units, is between these: t is divided and multiplied by it. */
-#define LEAST_PACE    0x1p-125f
-#define GREATEST_PACE 0x1p125f
-
-/* The least slope besides 0: SLOPE_SLACK of much smaller ones underflows. */
-#define LEAST_SLOPE 0x1p-100f
-
 /* Lower ends of distances are at most this, so that they are finite and can be multiplied. */
 #define GREATEST_DISTANCE 0x1p126f
 
