@@ -456,8 +456,10 @@ MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_jo
             v_store(hulls->closed.cover_near + v, v_select(kept, of.near, cover_near));
             i_store(hulls->closed.cover + v, i_select(kept, i_set1(number), i_load(hulls->closed.cover + v)));
         }
-        offered.in_part |= (closed & ~these & m_bits(m_and(of.sure, core))) << v;
-        offered.backward |= m_bits(of.backward) << v;
+        if (bundle->arrays) {
+            offered.in_part |= (closed & ~these & m_bits(m_and(of.sure, core))) << v;
+            offered.backward |= m_bits(of.backward) << v;
+        }
         const uint32_t doubtful = job->any ? 0 : closed & ~these;
         if (!doubtful) continue;
         offered.may &=
