@@ -43,6 +43,10 @@ static float remembering_divide(float a, float b)
 #define BOX_KERNELS    bundle_bounds_kernels
 #define KDTREE_KERNELS bundle_bounds_kernels_kdtree
 #include "isa/kernels.h"
+
+#define MLRT_QUAD_H /* the kernels have quads in plain C */
+#include "trace/cover_parts.c"
+
 #undef v_mul_add
 #undef v_mul_sub
 #undef v_div
@@ -800,6 +804,24 @@ static double attack_apex_outline(const float *input)
     return outlines_over(input, 0);
 }
 
+/*
+ * Edge functions between these are moved so that the least of them, in either sign, is just below 0. Is the edge open then
+ * (cover_parts.c)? That is so if the bounds over the hull hold.
+ */
+static int is_open_if_moved(int i, double least, double greatest)
+{
+    const float constant = leaf.edges.constant[i][0];
+    int is_open = 1;
+    for (int sign = -1; sign < 2; sign += 2) {
+        uint32_t open[3];
+        leaf.edges.constant[i][0] = next_float((float)(constant - (sign < 0 ? greatest : least)), -sign);
+        find_open_edges(&bundle, &leaf, 0, 0, (float)sign, open);
+        is_open &= (int)(open[i] & 1);
+    }
+    leaf.edges.constant[i][0] = constant;
+    return is_open;
+}
+
 /* How far outside the bounds over their hull the edge functions of two rays are. */
 static double cuts_over(const float *input, int has_places)
 {
@@ -809,6 +831,7 @@ static double cuts_over(const float *input, int has_places)
     const float bound = 2 * edge_bounds(&bundle.hulls, 0, leaf.edges.steepness[0], has_places);
     for (int i = 0; i < 3; i++) {
         float least, greatest;
+        double ends[2];
         bound_over_hull(&bundle.hulls, 0, leaf.edges.constant[i],
                         (const float(*)[MLRT_BVH_LEAF_LIMIT])leaf.edges.coefficient[i][0],
                         has_places ? MLRT_RAY_TERMS : 2, &least, &greatest);
@@ -817,7 +840,10 @@ static double cuts_over(const float *input, int has_places)
             turn_as_leaf();
             set_scale(divisors[EDGE_DIVISOR(i)], tile.rays[0].pace[ray]);
             worst = fmax(worst, beyond(least, greatest, bound));
+            mpf_div(value, truth, scale);
+            ends[ray] = mpf_get_d(value);
         }
+        if (!is_open_if_moved(i, fmin(ends[0], ends[1]), fmax(ends[0], ends[1]))) return INFINITY;
     }
     const float width = 2 * PLANE_BOUND * bundle.hulls.filter.reach[0];
     float least, greatest;

@@ -754,6 +754,114 @@ static void points_behind_a_screen(void **state)
     }
 }
 
+/*
+ * Points behind triangles of a few corners, whose edges many share, in either order: in fans, folds and fins. The sun and
+ * the light see corners exactly before some of the points.
+ */
+static void points_behind_triangles_of_few_corners(void **state)
+{
+    (void)state;
+    enum { MOST_CORNERS = 9 };
+    for (uint64_t seed = 1; seed <= scaled(40); seed++) {
+        struct random random = {seed};
+        struct soup soup = {0};
+        float corners[MOST_CORNERS][3];
+        const uint32_t first = draw_below(&random, 3), axes[3] = {first, (first + 1) % 3, (first + 2) % 3};
+        const uint32_t corner_count = 4 + draw_below(&random, MOST_CORNERS - 3), is_flat = draw_below(&random, 3) == 0;
+        const float side = draw_below(&random, 2) ? 1 : -1, tilt = draw_below(&random, 2) ? 0 : 0.25f;
+        for (uint32_t i = 0; i < corner_count; i++) {
+            corners[i][axes[0]] = (float)(24 * (int)draw_below(&random, 5) - 16);
+            corners[i][axes[1]] = (float)(24 * (int)draw_below(&random, 5) - 16);
+            corners[i][axes[2]] = 40 + (is_flat ? 0 : draw_range(&random, -4, 4));
+        }
+        for (uint32_t i = 6 + draw_below(&random, 40); i-- > 0;) {
+            const uint32_t a = draw_below(&random, corner_count), b = draw_below(&random, corner_count);
+            soup_add_triangle(&soup, corners[a], corners[b], corners[draw_below(&random, corner_count)]);
+        }
+        struct fixture fixture = fixture_of_soup("few corners", seed, &soup);
+        for (uint32_t kind = 0; kind < 2; kind++) {
+            struct points points = make_points((size_t)SCREEN_SIDE * SCREEN_SIDE);
+            mlrt_light light = kind ? light_from(0, 0, 0) : light_at(0, 0, 0);
+            points.row_length = SCREEN_SIDE;
+            for (size_t i = 0; i < points.count; i++) {
+                float *point = points.positions + 3 * i;
+                const float x = (float)(i % SCREEN_SIDE), y = (float)(i / SCREEN_SIDE);
+                point[axes[0]] = kind ? x : 2 * x - 32;
+                point[axes[1]] = kind ? y : 2 * y - 32;
+                point[axes[2]] = 40 - 10 * side;
+            }
+            for (uint32_t k = 0; k < 3; k++) {
+                const float aside = draw_range(&random, -tilt, tilt);
+                light.position[axes[k]] = kind ? (k == 2 ? side : aside) : (k == 2 ? 40 + 10 * side : 32 + aside);
+            }
+            check(&fixture, &points, &light);
+            check_shared_vector(&fixture, &points, light.position, !kind);
+            free_points(&points);
+        }
+        free_fixture(&fixture);
+    }
+}
+
+/*
+ * Triangles that hide a square of points together leave no ray to be tested, however their corners are ordered, and from
+ * whichever side they are seen; but if a ray skips one of them, they do.
+ */
+static void triangles_that_hide_a_square_together(void **state)
+{
+    (void)state;
+    enum { PANES = 3, PANE_SIDE = 36 };
+    for (uint32_t seed = 0; seed < 24; seed++) {
+        struct random random = {seed};
+        struct soup soup = {0};
+        const uint32_t first = seed % 3, axes[3] = {first, (first + 1) % 3, (first + 2) % 3}, kind = seed / 3 % 2;
+        const float side = seed / 6 % 2 ? 1 : -1;
+        for (uint32_t i = 0; i < PANES * PANES; i++) {
+            float corners[4][3];
+            for (uint32_t j = 0; j < 4; j++) {
+                corners[j][axes[0]] = (float)((i % PANES + j % 2) * PANE_SIDE) - 20;
+                corners[j][axes[1]] = (float)((i / PANES + j / 2) * PANE_SIDE) - 20;
+                corners[j][axes[2]] = 40;
+            }
+            for (uint32_t j = 0; j < 2; j++) {
+                const uint32_t turned = draw_below(&random, 2);
+                soup_add_triangle(&soup, corners[3 * j], corners[1 + turned], corners[2 - turned]);
+            }
+        }
+        struct fixture fixture = fixture_of_soup("panes", seed, &soup);
+        struct points points = make_points((size_t)SCREEN_SIDE * SCREEN_SIDE);
+        mlrt_light light = kind ? light_from(0, 0, 0) : light_at(0, 0, 0);
+        for (uint32_t k = 0; k < 3; k++) {
+            light.position[axes[k]] = kind ? (k == 2 ? side : 0.02f) : (k == 2 ? 40 + 1000 * side : 31);
+        }
+        for (size_t i = 0; i < points.count; i++) {
+            points.positions[3 * i + axes[0]] = (float)(i % SCREEN_SIDE);
+            points.positions[3 * i + axes[1]] = (float)(i / SCREEN_SIDE);
+            points.positions[3 * i + axes[2]] = 40 - 10 * side;
+        }
+        mlrt_counters counters = {.struct_size = sizeof counters};
+        const mlrt_trace_options options = {
+            .struct_size = sizeof options, .method = MLRT_METHOD_TILE, .counters = &counters};
+        const mlrt_points all = {.struct_size = sizeof all,
+                                 .count = points.count,
+                                 .row_length = SCREEN_SIDE,
+                                 .positions = {points.positions, 0},
+                                 .skip = {points.skip, 0}};
+        uint8_t *got = allocate_or_fail(points.count, 1);
+        const mlrt_array occluded = {got, 0, 0};
+        assert_int_equal(mlrt_occluded_points(fixture.tree, &all, &light, &options, &occluded), MLRT_OK);
+        assert_int_equal(counters.lane_test_count, 0);
+        for (size_t i = 0; i < points.count; i++) assert_int_equal(got[i], 1);
+        points.skip[0] = 0;
+        points.skip[1] = 1; /* the one that alone hides the first point */
+        assert_int_equal(mlrt_occluded_points(fixture.tree, &all, &light, &options, &occluded), MLRT_OK);
+        assert_true(counters.lane_test_count > 0);
+        for (size_t i = 0; i < points.count; i++) assert_int_equal(got[i], i > 0);
+        free(got);
+        free_points(&points);
+        free_fixture(&fixture);
+    }
+}
+
 /* Points behind two triangles as large as floats allow, with a gap between them: leaves do not have their corners. */
 static void points_behind_a_gap_between_large_triangles(void **state)
 {
@@ -919,6 +1027,8 @@ int main(void)
         cmocka_unit_test(squares_of_which_whole_blocks_are_not_finite),
         cmocka_unit_test(points_between_doubled_walls),
         cmocka_unit_test(points_behind_a_screen),
+        cmocka_unit_test(points_behind_triangles_of_few_corners),
+        cmocka_unit_test(triangles_that_hide_a_square_together),
         cmocka_unit_test(points_behind_a_gap_between_large_triangles),
         cmocka_unit_test(points_farther_apart_than_a_float),
         cmocka_unit_test(points_in_a_short_last_row),
