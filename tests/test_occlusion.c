@@ -782,10 +782,12 @@ static void points_behind_triangles_of_few_corners(void **state)
         for (uint32_t kind = 0; kind < 2; kind++) {
             struct points points = make_points((size_t)SCREEN_SIDE * SCREEN_SIDE);
             mlrt_light light = kind ? light_from(0, 0, 0) : light_at(0, 0, 0);
-            points.row_length = SCREEN_SIDE;
+            const uint32_t stretch = 1u << draw_below(&random, 3); /* so many squares of 64 columns */
+            points.row_length = SCREEN_SIDE * stretch;
             for (size_t i = 0; i < points.count; i++) {
                 float *point = points.positions + 3 * i;
-                const float x = (float)(i % SCREEN_SIDE), y = (float)(i / SCREEN_SIDE);
+                const float x = (float)(i % points.row_length) / (float)stretch,
+                            y = (float)(i / points.row_length * stretch);
                 point[axes[0]] = kind ? x : 2 * x - 32;
                 point[axes[1]] = kind ? y : 2 * y - 32;
                 point[axes[2]] = 40 - 10 * side;

@@ -263,7 +263,7 @@ struct mlrt_open_edge {
     float first[3]; /* its ends: the inside is on one side for all edges of a cell */
     float last[3];
     uint32_t number; /* of the triangle */
-    uint32_t other;  /* the edge of another triangle that is this one, turned; MLRT_NONE */
+    uint32_t others; /* the edges of other triangles that are this one, turned: a bit for each */
 };
 
 #define MLRT_MOST_OPEN_EDGES 24

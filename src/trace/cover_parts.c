@@ -45,20 +45,20 @@ static void find_open_edges(const struct mlrt_bundle *bundle, const struct mlrt_
     }
 }
 
-/* Counts a new edge of a cell, and finds the one that is the same. Returns 0 if there is none. */
+/* Counts a new edge of a cell, and finds those that are the same. Returns 0 if there is none. */
 static int add_edge(struct mlrt_cell_parts *cell)
 {
-    struct mlrt_open_edge *edge = &cell->edges[cell->count], *other = cell->edges;
-    edge->other = MLRT_NONE;
-    for (; other != edge; ++other) {
+    struct mlrt_open_edge *edge = &cell->edges[cell->count];
+    edge->others = 0;
+    for (uint32_t i = 0; i < cell->count; ++i) {
+        struct mlrt_open_edge *other = &cell->edges[i];
         if (memcmp(other->first, edge->last, sizeof edge->last) != 0) continue;
-        if (memcmp(other->last, edge->first, sizeof edge->first) != 0 || other->other != MLRT_NONE) continue;
-        other->other = cell->count;
-        edge->other = (uint32_t)(other - cell->edges);
-        break;
+        if (memcmp(other->last, edge->first, sizeof edge->first) != 0) continue;
+        other->others |= 1u << cell->count;
+        edge->others |= 1u << i;
     }
     ++cell->count;
-    return other != edge;
+    return edge->others != 0;
 }
 
 /* Returns the edges of those triangles of a cell that share all of their open edges. */
@@ -68,7 +68,7 @@ static uint32_t find_shared(const struct mlrt_open_edge *edges, uint32_t count)
     do {
         before = shared;
         for (uint32_t i = 0; i < count; ++i) {
-            if (!(shared >> i & 1) || (edges[i].other != MLRT_NONE && shared >> edges[i].other & 1)) continue;
+            if (!(shared >> i & 1) || edges[i].others & shared) continue;
             for (uint32_t j = 0; j < count; ++j) shared &= ~((uint32_t)(edges[j].number == edges[i].number) << j);
         }
     } while (shared != before);
@@ -104,12 +104,11 @@ static uint32_t add_to_cell(const struct mlrt_bundle_leaf *leaf, uint32_t triang
 void mlrt_add_cover_part(struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
                          mlrt_cell_test *skips, struct mlrt_cover_parts *parts, struct mlrt_offered_packets *offered)
 {
-    const int is_backward = offered->backward >> mlrt_lowest_bit(offered->in_part) & 1;
+    const int is_backward = offered->backward >> mlrt_lowest_bit(offered->in_part) & 1; /* all have this sign (L22) */
     const float sign = (int)(leaf->state.flipped >> triangle & 1) != is_backward ? -1.0f : 1.0f;
-    uint32_t open[3] = {0, 0, 0}, ready = 0, left = offered->in_part;
-    left &= is_backward ? offered->backward : ~offered->backward; /* the sign is nearly always that of all */
-    if (MLRT_UNLIKELY(leaf->state.odd >> triangle & 1)) return;   /* the leaf does not have its corners (bvh/unit.h) */
-    for (; left; left &= left - 1) {
+    uint32_t open[3] = {0, 0, 0}, ready = 0;
+    if (MLRT_UNLIKELY(leaf->state.odd >> triangle & 1)) return; /* the leaf does not have its corners (bvh/unit.h) */
+    for (uint32_t left = offered->in_part; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), first = place & ~3u;
         struct mlrt_cell_parts *cell = &parts->cells[place];
         if (!(parts->waited >> place & 1)) cell->count = 0;
