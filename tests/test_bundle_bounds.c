@@ -912,7 +912,7 @@ static double decisions_over(const float *input, int has_places)
     const int side = mpf_sgn(truth);
     if (!has_places) {
         if (!leaf.state.doubtful && side <= 0) return INFINITY;
-        settle_signs(&tree_of_one, &bundle.waist, &leaf);
+        mlrt_settle_signs(&tree_of_one, &bundle.waist, &leaf);
         find_n(0);
         turn_as_leaf();
         if (mpf_sgn(truth) < 0 || leaf.state.doubtful || (leaf.state.from_waist & 1) != (mpf_sgn(truth) != 0))
@@ -999,7 +999,7 @@ static double covers_over(const float *input, int has_places)
     if (!bundle_of(input, count, has_places)) return -1;
     set_up_triangle(input);
     if (!has_places) {
-        settle_signs(&tree_of_one, &bundle.waist, &leaf);
+        mlrt_settle_signs(&tree_of_one, &bundle.waist, &leaf);
         if (!leaf.state.from_waist) return -1;
     }
     see_triangle_of_packets(&bundle.hulls, &leaf, 0, 0, has_places, &of);

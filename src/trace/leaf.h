@@ -75,7 +75,9 @@
 #include "trace/bundle.h"
 #include "trace/ray_hulls.h"
 #include "trace/outline.h"
+#include "trace/leaf_in_double.h"
 #include "trace/plane_order.h"
+#include "trace/planes.h"
 
 #if MLRT_GUESS
 #define EDGE_ERROR     0.0f
@@ -176,107 +178,6 @@ static MLRT_NOINLINE void set_up_bundle_vector(const struct bundle_corners *corn
     }
 }
 
-/* Negates all coefficients of the triangle at a place. */
-static void flip_triangle(struct mlrt_bundle_leaf *leaf, uint32_t place)
-{
-    leaf->state.flipped ^= 1u << place;
-    leaf->planes.distance[place] = -leaf->planes.distance[place];
-    for (int i = 0; i < 3; ++i) {
-        leaf->planes.normal[i][place] = -leaf->planes.normal[i][place];
-        leaf->edges.constant[i][place] = -leaf->edges.constant[i][place];
-        for (int term = 0; term < MLRT_RAY_TERMS; ++term)
-            leaf->edges.coefficient[i][term][place] = -leaf->edges.coefficient[i][term][place];
-    }
-}
-
-MLRT_INLINE float float_or_infinity(double a)
-{
-    return fabs(a) <= FLT_MAX ? (float)a : a < 0 ? -INFINITY : INFINITY;
-}
-
-/* As cross_with_size, in double; `size` gets the sizes of the components. */
-static double cross_doubles_with_size(const double p[3], const double q[3], double least, double cross[3],
-                                      double size[3])
-{
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        cross[k] = p[i] * q[j] - p[j] * q[i];
-        size[k] = fabs(p[i] * q[j]) + fabs(p[j] * q[i]);
-    }
-    const double all = size[0] + (size[1] + size[2]) * 0.5;
-    return all > least ? all : least;
-}
-
-/* Gives an odd triangle (bvh/unit.h) its depths, and an outline that all rays meet. */
-static MLRT_NOINLINE void set_odd_outline(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t place,
-                                          struct mlrt_bundle_leaf *leaf)
-{
-    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, leaf->numbers[place]);
-    double near = INFINITY, far = -INFINITY;
-    for (int i = 0; i < 3; ++i) {
-        const double depth =
-            (triangle.v[i][waist->main_axis] * (double)tree->bvh.unit - waist->point[waist->main_axis]) * waist->sign;
-        near = fmin(depth, near);
-        far = fmax(depth, far);
-    }
-    leaf->outline.near[place] = mlrt_low_bound(near);
-    leaf->outline.far[place] = -mlrt_low_bound(-far);
-    leaf->state.fans &= ~(1u << place);
-    leaf->outline.weight[place] = 0;
-    for (int i = 0; i < 2; ++i) {
-        leaf->outline.lo[i][place] = -INFINITY;
-        leaf->outline.hi[i][place] = INFINITY;
-    }
-}
-
-/*
- * Sets the coefficients of an odd triangle (unit.h) from its corners as they were given: in double, where nothing
- * overflows or underflows, and then rounded to float once. N at the waist is off by 2^-49 of the sum of its products
- * (covering.h), and by its rounding to float. `away` is set from these two errors and not from F, which may be far
- * larger. If N is not finite in float, all rays that may hit the triangle are left undecided.
- */
-static MLRT_NOINLINE void set_up_odd_triangle(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
-                                              uint32_t place, struct mlrt_bundle_leaf *leaf)
-{
-    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, leaf->numbers[place]);
-    double to[3][3], g[3][3], cross[3], size[3], steepness = 0, distance = 0, error = 0;
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        const int axis = (waist->main_axis + k) % 3;
-        const double flip = k == 0 ? (double)waist->sign : 1, unit = tree->bvh.unit * flip;
-        MLRT_UNROLL
-        for (int i = 0; i < 3; ++i) {
-            to[i][k] = triangle.v[i][axis] * unit - flip * waist->point[axis];
-            g[i][k] = ((double)triangle.v[(i + 1) % 3][axis] - triangle.v[i][axis]) * unit;
-        }
-    }
-    MLRT_UNROLL
-    for (int i = 0; i < 3; ++i) {
-        const double length = fabs(g[i][0]) + fabs(g[i][1]) + fabs(g[i][2]);
-        const double scale = 1 / cross_doubles_with_size(to[i], g[i], length * 0x1p-20, cross, size);
-        leaf->edges.constant[i][place] = (float)(cross[0] * scale);
-        leaf->edges.coefficient[i][MLRT_SLOPE_J][place] = (float)(cross[1] * scale);
-        leaf->edges.coefficient[i][MLRT_SLOPE_L][place] = (float)(cross[2] * scale);
-        leaf->edges.coefficient[i][MLRT_PLACE_J][place] = (float)(-g[i][2] * scale);
-        leaf->edges.coefficient[i][MLRT_PLACE_L][place] = (float)(g[i][1] * scale);
-        leaf->edges.coefficient[i][MLRT_MOMENT][place] = (float)(g[i][0] * scale);
-        steepness = fmax(length * scale, steepness);
-    }
-    leaf->edges.steepness[place] = (float)(steepness * (1 + 0x1p-22));
-    const double scale = 1 / cross_doubles_with_size(g[2], g[0], 0, cross, size);
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        leaf->planes.normal[k][place] = (float)(cross[k] * scale);
-        distance += to[0][k] * (cross[k] * scale);
-        error += fabs(to[0][k]) * (size[k] * scale) * 0x1p-49;
-    }
-    leaf->planes.distance[place] = float_or_infinity(distance);
-    leaf->planes.away[place] = float_or_infinity(fabs(distance) + error * 0x1p20);
-    leaf->state.flipped &= ~(1u << place);
-    if (distance < 0) flip_triangle(leaf, place);
-}
-
 /* The places where float does not tell the sign of N at the waist. */
 MLRT_INLINE uint32_t doubtful_places(const struct mlrt_bundle_leaf *leaf)
 {
@@ -287,28 +188,6 @@ MLRT_INLINE uint32_t doubtful_places(const struct mlrt_bundle_leaf *leaf)
         doubtful |= (~m_bits(v_gt(v_load(leaf->planes.distance + v), bound)) & ALL_LANES) << v;
     }
     return doubtful & leaf->state.there;
-}
-
-/*
- * Has the judge determine the signs of N that float does not tell, for rays that start at the waist. If N is 0, no ray
- * from there hits the triangle.
- */
-static MLRT_NOINLINE void settle_signs(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
-                                       struct mlrt_bundle_leaf *leaf)
-{
-    float eye[3]; /* the waist, not in units: this division is exact, as the waist is the origin of a ray */
-    for (int k = 0; k < 3; ++k) eye[k] = waist->point[k] / tree->bvh.unit;
-    for (; leaf->state.doubtful; leaf->state.doubtful &= leaf->state.doubtful - 1) {
-        const uint32_t place = mlrt_lowest_bit(leaf->state.doubtful);
-        /* With the waist's sign +1, N has the sign of -side. */
-        const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, leaf->numbers[place]);
-        const int side = mlrt_side_of_plane(&triangle, eye);
-        if (side == 0) {
-            leaf->state.from_waist &= ~(1u << place);
-        } else if ((leaf->state.flipped >> place & 1) != ((side > 0) == (waist->sign > 0))) {
-            flip_triangle(leaf, place);
-        }
-    }
 }
 
 /* Returns the main axis, or ~axis if rays go down it. */
@@ -339,9 +218,7 @@ static MLRT_NOINLINE void begin_bundle_leaf(const struct mlrt_tree *tree, const 
     }
     leaf->state.there &= 0xFFFFu >> (MLRT_BVH_LEAF_LIMIT - row);
     leaf->state.odd &= leaf->state.there;
-    for (uint32_t odd = leaf->state.odd; MLRT_UNLIKELY(odd != 0); odd &= odd - 1) {
-        set_odd_outline(tree, waist, mlrt_lowest_bit(odd), leaf);
-    }
+    if (MLRT_UNLIKELY(leaf->state.odd != 0)) mlrt_set_odd_outlines(tree, waist, leaf);
     if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL))
         leaf->state.there = mlrt_visible_places(tree, leaf->numbers, leaf->state.there, mask);
     leaf->state.from_waist = leaf->state.there;
@@ -359,8 +236,8 @@ static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const s
         set_up_bundle_vector(&of, v, leaf->has_places, leaf);
         now |= (ALL_LANES & 0xFFFF) << v;
     }
-    for (uint32_t odd = leaf->state.odd & now; MLRT_UNLIKELY(odd != 0); odd &= odd - 1) {
-        set_up_odd_triangle(tree, waist, mlrt_lowest_bit(odd), leaf);
+    if (MLRT_UNLIKELY((leaf->state.odd & now) != 0)) {
+        mlrt_set_up_odd_triangles(tree, waist, leaf->state.odd & now, leaf);
     }
     leaf->state.ready |= now;
     leaf->state.doubtful |= doubtful_places(leaf) & now;
@@ -403,7 +280,7 @@ MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_jo
     *seen = triangles_met(bundle, leaf, &whole, has_places, has_places ? leaf->state.there : leaf->state.from_waist);
     if (*seen & ~leaf->state.ready) set_up_triangles(job->tree, &bundle->waist, *seen & ~leaf->state.ready, leaf);
     if (MLRT_UNLIKELY(leaf->state.doubtful != 0) && !has_places) {
-        settle_signs(job->tree, &bundle->waist, leaf);
+        mlrt_settle_signs(job->tree, &bundle->waist, leaf);
         *seen &= leaf->state.from_waist;
     }
     return leaf;

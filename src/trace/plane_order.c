@@ -12,9 +12,8 @@
  * function of the line that both planes have in common. C and g cancel where the planes are close to each other, so
  * they are computed in double.
  *
- * ERRORS OF DOUBLES, v = 2^-53. A component of n has 4 roundings, relative to its size, the sum of the magnitudes of
- * its two products. V has 8, relative to s(V), the sum of |a_k - w_k| times size k. So C_k is off by less than 14.001
- * v of T_k = s(V_1) size_2k + s(V_2) size_1k, and g_k by less than 10.001 v of U_k, the same two products of sizes.
+ * ERRORS OF DOUBLES, v = 2^-53. From those of n and V (planes.h), C_k is off by less than 14.001 v of
+ * T_k = s(V_1) size_2k + s(V_2) size_1k, and g_k by less than 10.001 v of U_k, the same two products of sizes.
  * T_k and U_k as computed are too small by at most 14 roundings. DOUBLE_ERROR, 16 v, is a bound for both.
  *
  * THE LINE, u = 2^-24. All as computed, let G = |g_z| + |g_j| + |g_l| and S = |C_z| + (|C_j| + |C_l|) / 2, or 2^-20 G
@@ -27,8 +26,7 @@
  * error of F / S, and G' adds X R G' / S. To the bound, S' adds 14 / 6 of the former, and G' 13 / 6 of the latter:
  * twice as much as is needed.
  *
- * RANGE. Corners that are not odd are at most 2^60 and multiples of 2^-149. So n is 0 or within 2^-298 .. 2^124, V
- * within 2^-447 .. 2^187, C within 2^-745 .. 2^313, and nothing overflows or underflows.
+ * RANGE. With those of planes.h, C is 0 or within 2^-745 .. 2^313: nothing overflows or underflows.
  */
 #include "trace/plane_order.h"
 
@@ -36,6 +34,7 @@
 
 #include "bvh/unit.h"
 #include "hits/undecided.h"
+#include "trace/planes.h"
 
 #define DOUBLE_ERROR (16 * MLRT_UNIT_ROUNDOFF)
 
@@ -45,68 +44,8 @@
 /* As in leaf.h, in double. */
 #define EDGE_ERROR (14 * 0x1p-24)
 
-/* Sets `cross` to p x q, and `size` to the size of each component. */
-static inline void cross_with_sizes(const double p[3], const double q[3], double cross[3], double size[3])
-{
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        const double r = p[(k + 1) % 3] * q[(k + 2) % 3], s = p[(k + 2) % 3] * q[(k + 1) % 3];
-        cross[k] = r - s;
-        size[k] = fabs(r) + fabs(s);
-    }
-}
-
-void mlrt_set_plane(const struct mlrt_triangle *triangle, struct mlrt_plane *plane)
-{
-    double ab[3], ac[3];
-    for (int k = 0; k < 3; ++k) {
-        plane->point[k] = triangle->v[0][k];
-        ab[k] = triangle->v[1][k] - plane->point[k];
-        ac[k] = triangle->v[2][k] - plane->point[k];
-    }
-    cross_with_sizes(ab, ac, plane->normal, plane->size);
-}
-
-/* A plane relative to the waist: component 0 is that of the main axis, with the sign of the waist. */
-struct plane_from_waist {
-    double normal[3];
-    double size[3];
-    double n; /* V */
-    double n_size;
-};
-
-static void set_plane_from_waist(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t number,
-                                 struct plane_from_waist *plane)
-{
-    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
-    double to[3], ab[3], ac[3];
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        const int axis = (waist->main_axis + k) % 3;
-        const double sign = k == 0 ? (double)waist->sign : 1, scale = sign * tree->bvh.unit;
-        const double a = triangle.v[0][axis] * scale;
-        to[k] = a - sign * waist->point[axis];
-        ab[k] = triangle.v[1][axis] * scale - a;
-        ac[k] = triangle.v[2][axis] * scale - a;
-    }
-    cross_with_sizes(ab, ac, plane->normal, plane->size);
-    plane->n = to[0] * plane->normal[0] + to[1] * plane->normal[1] + to[2] * plane->normal[2];
-    plane->n_size = fabs(to[0]) * plane->size[0] + fabs(to[1]) * plane->size[1] + fabs(to[2]) * plane->size[2];
-}
-
-/* The size S of C or of its errors: the sum of |coefficient| |term| if both slopes are 1/2. */
-static inline double weigh(const double a[3])
-{
-    return fabs(a[0]) + 0.5 * (fabs(a[1]) + fabs(a[2]));
-}
-
-static inline double sum_of_magnitudes(const double a[3])
-{
-    return fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
-}
-
 /* Sets the line of two planes. Returns 0 if it is too uncertain. */
-static int set_line(const struct plane_from_waist *first, const struct plane_from_waist *second,
+static int set_line(const struct mlrt_turned_plane *first, const struct mlrt_turned_plane *second,
                     struct mlrt_pair_line *line)
 {
     double moment[3], along[3], moment_size[3], along_size[3];
@@ -118,28 +57,32 @@ static int set_line(const struct plane_from_waist *first, const struct plane_fro
         along[k] = second->normal[i] * first->normal[j] - second->normal[j] * first->normal[i];
         along_size[k] = second->size[i] * first->size[j] + second->size[j] * first->size[i];
     }
-    const double length = sum_of_magnitudes(along), all = fmax(weigh(moment), 0x1p-20 * length), scale = 1 / all;
+    const double length = mlrt_sum_of_magnitudes(along), all = fmax(mlrt_weigh(moment), 0x1p-20 * length),
+                 scale = 1 / all;
     const double doubt = DOUBLE_ERROR * (0x1p24 / 6);
-    const double moment_doubt = 1 + doubt * weigh(moment_size) * scale;
-    line->constant = (float)(moment[0] * scale);
-    line->coefficient[MLRT_SLOPE_J] = (float)(moment[1] * scale);
-    line->coefficient[MLRT_SLOPE_L] = (float)(moment[2] * scale);
-    line->coefficient[MLRT_PLACE_J] = (float)(-along[2] * scale);
-    line->coefficient[MLRT_PLACE_L] = (float)(along[1] * scale);
-    line->coefficient[MLRT_MOMENT] = (float)(along[0] * scale);
+    const double moment_doubt = 1 + doubt * mlrt_weigh(moment_size) * scale;
+    mlrt_scale_edge(moment, along, scale, &line->constant, line->coefficient);
     line->error = (float)(EDGE_ERROR * moment_doubt);
-    line->steepness = (float)((length + doubt * sum_of_magnitudes(along_size)) * scale * (1 + 0x1p-22));
-    const double normal_scale = 1 / weigh(second->size);
+    line->steepness = (float)((length + doubt * mlrt_sum_of_magnitudes(along_size)) * scale * (1 + 0x1p-22));
+    const double normal_scale = 1 / mlrt_weigh(second->size);
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) line->normal[k] = (float)(second->normal[k] * normal_scale);
     return moment_doubt <= MOST_DOUBT;
+}
+
+static void turn_plane(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t number,
+                       struct mlrt_turned_plane *plane)
+{
+    struct mlrt_turned_corners corners;
+    mlrt_turn_corners(tree, waist, number, &corners);
+    mlrt_turn_plane(&corners, plane);
 }
 
 MLRT_NOINLINE void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct mlrt_bundle_cache *cache,
                                       uint32_t first, uint32_t second, struct mlrt_worker *worker,
                                       struct mlrt_pair_line *line)
 {
-    struct plane_from_waist plane_1, plane_2;
+    struct mlrt_turned_plane plane_1, plane_2;
     line->waist_count = cache->waist_count;
     line->first = first;
     line->second = second;
@@ -147,8 +90,8 @@ MLRT_NOINLINE void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct
     if (mlrt_known_plane_of(worker, first) == mlrt_known_plane_of(worker, second)) return;
     line->kind = MLRT_NO_LINE;
     if (!mlrt_has_usual_triangles(tree) && (mlrt_is_odd(tree, first) || mlrt_is_odd(tree, second))) return;
-    set_plane_from_waist(tree, &cache->waist, first, &plane_1);
-    set_plane_from_waist(tree, &cache->waist, second, &plane_2);
+    turn_plane(tree, &cache->waist, first, &plane_1);
+    turn_plane(tree, &cache->waist, second, &plane_2);
     if (set_line(&plane_1, &plane_2, line)) {
         line->kind = MLRT_LINE;
     } else if (mlrt_have_one_plane(tree, first, second, worker)) {

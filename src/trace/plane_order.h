@@ -10,15 +10,6 @@
 #include "job/job.h"
 #include "trace/bundle.h"
 
-/* The plane of a triangle in double: a point of it, n, and the sizes of the components of n (close_calls.h). */
-struct mlrt_plane {
-    double point[3];
-    double normal[3];
-    double size[3];
-};
-
-void mlrt_set_plane(const struct mlrt_triangle *triangle, struct mlrt_plane *plane);
-
 /* Sets the line of two triangles, relative to the waist of a cache. */
 void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct mlrt_bundle_cache *cache, uint32_t first,
                         uint32_t second, struct mlrt_worker *worker, struct mlrt_pair_line *line);
