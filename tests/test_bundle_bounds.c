@@ -1078,7 +1078,7 @@ static void turn_back(double sign)
     if ((bundle.waist.sign < 0) != (sign < 0)) mpf_neg(truth, truth);
 }
 
-/* N, and N - t_max D, of a plane (leaf.h: find_sides_of_plane), over their bounds. */
+/* N, and N - t_max D, of a plane (plane_sides.h: find_sides_of_plane), over their bounds. */
 static double attack_apart(const float *input)
 {
     struct mlrt_plane plane;

@@ -21,8 +21,8 @@
 #include "simd/simd.h"
 #include "trace/bundle.h"
 #include "trace/cells.h"
-#include "trace/leaf.h"
-#include "trace/plane_order.h"
+#include "trace/planes.h"
+#include "trace/ray_hulls.h"
 
 /* The tile of a square that a cell stands for. */
 MLRT_INLINE struct mlrt_rectangle tile_of_cell(const struct mlrt_rectangle *area, uint32_t place)

@@ -25,7 +25,7 @@
  * of leaf.h are, with its own error in place of EDGE_ERROR. So walls that are drawn twice leave packets closed.
  *
  * BEGINS AND ENDS (L15). Rays begin on surfaces, and end on them. Whether they reach a triangle there is decided in
- * double, lane by lane, as in leaf.h; for tiles of arrays, whose rays are not made, by cell_ends.h.
+ * double, lane by lane (plane_sides.h); for tiles of arrays, whose rays are not made, by cell_ends.h.
  *
  * COVERS OF SEVERAL TRIANGLES (L22). Where any hit will do, a cell of arrays stays closed although a triangle hides only
  * some of its rays: cover_parts.c finds out whether others hide the rest. If not, it is opened at the end.
@@ -55,6 +55,7 @@
 #include "trace/leaf.h"
 #include "trace/make_rays.h"
 #include "trace/plane_order.h"
+#include "trace/plane_sides.h"
 #include "trace/units.h"
 
 /* One triangle, and a vector of packets. */

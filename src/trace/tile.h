@@ -26,7 +26,9 @@
 #include "trace/cover.h"
 #include "trace/ray_hulls.h"
 #include "trace/lane_by_lane.h"
+#include "trace/cuts.h"
 #include "trace/leaf.h"
+#include "trace/packet_tests.h"
 #include "trace/outline.h"
 #include "trace/single_ray.h"
 #include "trace/units.h"
@@ -180,23 +182,6 @@ static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct 
     }
     settle_bundle(bundle);
     return 1;
-}
-
-/* Returns the triangles of `seen` that a packet may hit, by outlines and then by edges. */
-MLRT_INLINE uint32_t cut_triangles_by(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                      uint32_t place, int has_places, uint32_t seen)
-{
-    struct hull_outline hull;
-    outline_packet(bundle, place, &hull);
-    const uint32_t met = triangles_met(bundle, leaf, &hull, has_places, seen);
-    return met ? triangles_within_edges(bundle, leaf, place, has_places, met) : 0;
-}
-
-static MLRT_NOINLINE uint32_t cut_triangles(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                            uint32_t place, uint32_t seen)
-{
-    return bundle->has.places ? cut_triangles_by(bundle, leaf, place, 1, seen)
-                              : cut_triangles_by(bundle, leaf, place, 0, seen);
 }
 
 /* Tests the rays of a packet against triangles of a leaf. Gives the packet up after too many tests in vain. */
