@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The rays of a tile as a bundle (bundle.h): its waist, the terms of its rays, the hulls of its packets, and hulls
- * against boxes. L2, L3, ... are the lemmas of docs/accuracy.md, "Bundles", which derive the bounds.
+ * The rays of a tile as a bundle (bundle.h): the terms of its rays, and the hulls of its packets. L2, L3, ... are the
+ * lemmas of docs/accuracy.md, "Bundles", which derive the bounds.
  *
  * RAYS, u = 2^-24. The origin o relative to the waist, with the sign of the main axis, has 1 rounding per component. A
  * slope s_j = d_j / |d_main| has 1 in lanes, and 2 in hulls, which multiply by a reciprocal (L2). For the rays of a
@@ -21,23 +21,13 @@
  * most 2^-150. The product s_j o_main may lose 2^-150, and so may the product of a slope and a depth; where R A is
  * below 2^-128, PLACE_ERROR R A is less than that. PLACE_FLOOR covers both.
  *
- * BOXES (L12). At depth z a ray is at x_j + s_j z. Of a box, c = fl(c_j - w_j) and z = fl(c_main - w_main) are off by u
- * of themselves; the product with a slope, and its sum with a place, by u each. Slopes and places of hulls are moved
- * apart by SLOPE_SLACK, 2^-20 of themselves, and places by PLACE_ERROR R A as well: these are 16 u |s| |z| and 16 u
- * |x|. A box is compared as c <= fl(x + fl(s z)). Both sides are off by at most 3 u |s z| + 3 u (|x| + |s z|); u |c|
- * matters only where c is as large as the other side.
- *
  * DEPTHS (L13) at which rays begin and end, o_main + tau, are moved apart by SLOPE_SLACK (|z| + A).
- *
- * Based on: I. Wald, S. Boulos, P. Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies",
- * 2007 (frusta against boxes).
  */
 #ifndef MLRT_TRACE_RAY_HULLS_H
 #define MLRT_TRACE_RAY_HULLS_H
 
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 #include "bvh/unit.h"
 #include "rays/extremes.h"
@@ -55,8 +45,6 @@
 /* Places add this times X R rho to the bound of an edge function, and their own error times R rho (L5, leaf.h). */
 #define BLUR_OF_PLACE (13 * 0x1p-24f)
 
-/* ---- the waist ---- */
-
 /* Component k of the origins of a vector of lanes. */
 MLRT_INLINE vf origin_component(const struct mlrt_packet *packet, int k, int v)
 {
@@ -65,147 +53,6 @@ MLRT_INLINE vf origin_component(const struct mlrt_packet *packet, int k, int v)
 
 /* Lower ends of distances are at most this, so that they are finite and can be multiplied. */
 #define GREATEST_DISTANCE 0x1p126f
-
-/* The waist of a tile is guessed from at most this many of its rays. No answer depends on the guess. */
-#define SAMPLE_LIMIT 6
-
-struct ray_sample {
-    float origin[3];
-    float direction[3];
-};
-
-/* Takes a ray of a packet as a sample. Returns 0 if float does not carry it. */
-static int take_sample(const struct mlrt_packet *packet, uint32_t lane, float unit, struct ray_sample *sample)
-{
-    float largest = 0;
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        sample->origin[k] = (packet->has.apex ? packet->apex[k] : packet->origin[k][lane]) * unit;
-        sample->direction[k] = packet->direction[k][lane];
-        if (!(fabsf(sample->origin[k]) <= MLRT_SAFE_MAX && fabsf(sample->direction[k]) <= GREATEST_PACE)) return 0;
-        largest = larger_of(fabsf(sample->direction[k]), largest);
-    }
-    return largest >= LEAST_PACE;
-}
-
-/* Takes samples, from corners and middle of a tile first. Returns their number. */
-static uint32_t take_samples(const struct mlrt_ray_tile *tile, uint32_t places, float unit,
-                             struct ray_sample samples[SAMPLE_LIMIT])
-{
-    static const uint8_t order[MLRT_BUNDLE_PACKETS] = {5, 15, 0, 3, 12, 10, 6, 9, 1, 2, 4, 7, 8, 11, 13, 14};
-    uint32_t count = 0;
-    for (int i = 0; i < MLRT_BUNDLE_PACKETS && count < SAMPLE_LIMIT; ++i) {
-        const struct mlrt_packet *packet = &tile->packets[order[i]];
-        if (!(places >> order[i] & 1) || !packet->active) continue;
-        uint32_t lane = mlrt_lowest_bit(packet->active);
-        if (i & 1 && packet->active >> 15) lane = 15;
-        count += (uint32_t)take_sample(packet, lane, unit, &samples[count]);
-    }
-    return count;
-}
-
-/* Means, variances and covariances of slopes and places of samples; places are relative to the point of a waist. */
-struct sample_spread {
-    float slope[2];
-    float place[2];
-    float slope_slope;
-    float slope_place;
-    float place_place;
-};
-
-static void find_spread(const struct ray_sample *samples, uint32_t count, const struct mlrt_waist *from,
-                        struct sample_spread *of)
-{
-    const int a = from->main_axis;
-    float taken = 0;
-    memset(of, 0, sizeof *of);
-    for (uint32_t i = 0; i < count; ++i) {
-        const float pace = samples[i].direction[a] * from->sign, scale = 1 / pace;
-        const float depth = (samples[i].origin[a] - from->point[a]) * from->sign;
-        if (!(pace > 0)) continue;
-        taken += 1;
-        MLRT_UNROLL
-        for (int side = 0; side < 2; ++side) {
-            const int j = mlrt_slope_axis(a, side);
-            const float s = samples[i].direction[j] * scale, x = samples[i].origin[j] - from->point[j] - s * depth;
-            of->slope[side] += s;
-            of->place[side] += x;
-            of->slope_slope += s * s;
-            of->slope_place += s * x;
-            of->place_place += x * x;
-        }
-    }
-    const float share = 1 / taken;
-    of->slope_slope *= share;
-    of->slope_place *= share;
-    of->place_place *= share;
-    MLRT_UNROLL
-    for (int side = 0; side < 2; ++side) {
-        of->slope[side] *= share;
-        of->place[side] *= share;
-        of->slope_slope -= of->slope[side] * of->slope[side];
-        of->slope_place -= of->slope[side] * of->place[side];
-        of->place_place -= of->place[side] * of->place[side];
-    }
-}
-
-/*
- * Chooses the waist of rays from samples: at the depth where their places vary least, -cov(x, s) / var(s). The waist of
- * the last tile is kept while it is nearly as good, so that set-ups of leaves are shared. For rays that are nearly
- * parallel the waist is in the middle of the scene. Returns 0 without samples.
- */
-static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struct ray_sample *samples, uint32_t count,
-                                      const struct mlrt_waist *last, struct mlrt_waist *waist)
-{
-    struct sample_spread of;
-    if (!count) return 0;
-    mlrt_set_main_axis(samples[0].direction, waist);
-    const int a = waist->main_axis;
-    memcpy(waist->point, samples[0].origin, sizeof waist->point);
-    int is_apex = 1;
-    for (uint32_t i = 1; i < count; ++i) {
-        MLRT_UNROLL
-        for (int k = 0; k < 3; ++k) is_apex &= samples[i].origin[k] == waist->point[k];
-    }
-    if (is_apex) return 1;
-    find_spread(samples, count, waist, &of);
-    const float size = bounds->hi[a] - bounds->lo[a];
-    const float lowest = waist->sign > 0 ? bounds->lo[a] - waist->point[a] : waist->point[a] - bounds->hi[a];
-    const int is_narrow = !(of.slope_slope * size * size > 1e-8f * size * size + 1e-5f * of.place_place);
-    float depth = is_narrow ? lowest + 0.5f * size : -of.slope_place / of.slope_slope;
-    if (!(depth > lowest - size)) depth = lowest - size;
-    if (depth > lowest + 2 * size) depth = lowest + 2 * size;
-    if (last->main_axis == a && last->sign == waist->sign && last->is_beam == is_narrow) {
-        const float there = (last->point[a] - waist->point[a]) * waist->sign, away = fabsf(there - lowest);
-        const float variance = of.place_place + there * (2 * of.slope_place + there * of.slope_slope);
-        const float least = of.place_place + depth * (2 * of.slope_place + depth * of.slope_slope);
-        const float other = (away + size) * (away + size);
-        const float turn = (of.slope[0] - last->slope[0]) * (of.slope[0] - last->slope[0]) +
-                           (of.slope[1] - last->slope[1]) * (of.slope[1] - last->slope[1]);
-        const int is_along = is_narrow && turn * size * size <= 0.25f * of.place_place;
-        if (variance <= 1.5f * least + 1e-3f * of.slope_slope * other && (is_narrow ? is_along : away <= 3 * size)) {
-            *waist = *last;
-            return 1;
-        }
-    }
-    waist->is_beam = is_narrow;
-    MLRT_UNROLL
-    for (int side = 0; side < 2; ++side) {
-        const float slope = of.slope[side];
-        waist->slope[side] = is_narrow && fabsf(slope) <= STEEPEST_SLOPE ? slope : 0;
-    }
-    float step[3];
-    step[a] = waist->sign * depth;
-    MLRT_UNROLL
-    for (int side = 0; side < 2; ++side) step[mlrt_slope_axis(a, side)] = of.place[side] + of.slope[side] * depth;
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) { /* a step that overflows is left out: the waist stays at the first sample's origin */
-        if (fabsf(waist->point[k] + step[k]) <= MLRT_SAFE_MAX) waist->point[k] += step[k];
-    }
-    return 1;
-}
-
-/* ---- rays and hulls ---- */
 
 /* After hits: lowers `last` of packets to the greatest depth at which a nearer hit may be. */
 static MLRT_NOINLINE void update_last_depths(struct mlrt_bundle *bundle, uint32_t places)
@@ -295,18 +142,6 @@ MLRT_INLINE int starts_at_waist(const float apex[3], struct mlrt_packet *packet)
     for (int k = 0; k < 3 && !packet->has.apex; ++k) packet->apex[k] = packet->origin[k][0];
     packet->has.apex = 1;
     return 1;
-}
-
-/* Sets `apex` to the waist, not in units. Returns 0 if that is not exact. */
-static int find_apex(const struct mlrt_bundle *bundle, float apex[3])
-{
-    int is_exact = 1;
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        apex[k] = bundle->waist.point[k] / bundle->scene.unit;
-        is_exact &= apex[k] * bundle->scene.unit == bundle->waist.point[k];
-    }
-    return is_exact;
 }
 
 /* A vector of rays of a packet: the numbers from which slopes and places are made. */
@@ -711,164 +546,6 @@ static void leave_bundle(struct mlrt_bundle *bundle, uint32_t place)
         hulls->slope[i].lo[place] = hulls->place[i].lo[place] = INFINITY;
         hulls->slope[i].hi[place] = hulls->place[i].hi[place] = -INFINITY;
     }
-}
-
-/* ---- boxes ---- */
-
-/*
- * The greatest and the least place, over one axis, that rays with these slopes and places can have between the depths
- * `from` and `to`. If `to` is infinite, its product with a slope 0 is a NaN, which v_max and v_min drop, as it is their
- * first operand.
- */
-MLRT_INLINE vf upper_place(vf from, vf to, vf slope_lo, vf slope_hi, vf place_hi, int has_places)
-{
-    if (!has_places) return v_max(v_mul(slope_hi, to), v_mul(slope_hi, from));
-    return v_add(place_hi, v_max(v_max(v_mul(slope_hi, to), v_mul(slope_hi, from)),
-                                 v_max(v_mul(slope_lo, to), v_mul(slope_lo, from))));
-}
-
-MLRT_INLINE vf lower_place(vf from, vf to, vf slope_lo, vf slope_hi, vf place_lo, int has_places)
-{
-    if (!has_places) return v_min(v_mul(slope_lo, to), v_mul(slope_lo, from));
-    return v_add(place_lo, v_min(v_min(v_mul(slope_hi, to), v_mul(slope_hi, from)),
-                                 v_min(v_mul(slope_lo, to), v_mul(slope_lo, from))));
-}
-
-/*
- * The greatest s z for slopes s within lo .. hi and depths z within `from` .. `to`. With -hi and -lo in place of lo and
- * hi it is the negative of the least. If all slopes have one sign, it is at one end of the depths. These may be
- * infinite: then a product with a slope 0 is a NaN, which v_max drops as its first operand. Not all slopes are 0, by
- * HULL_FLOOR.
- */
-MLRT_INLINE vf greatest_product(vf from, vf to, float lo, float hi, int has_places)
-{
-    if (!has_places) return v_mul(v_set1(hi), hi > 0 ? to : from);
-    const int is_up = hi + lo > 0;
-    const vf less = v_set1(is_up ? lo : hi), more = v_set1(is_up ? hi : lo), end = is_up ? to : from;
-    const vf there = v_max(v_mul(less, end), v_mul(more, end));
-    if (lo > 0 || hi < 0) return there;
-    const vf other = is_up ? from : to;
-    return v_max(v_max(v_mul(less, other), v_mul(more, other)), there);
-}
-
-/* Returns the children of a node with boxes that the bundle may meet, and sets `near` to their least depths. */
-MLRT_INLINE uint32_t bundle_children_met(const struct mlrt_bundle *bundle, const struct mlrt_bvh_node *node,
-                                         int has_places, float near[MLRT_BVH_WIDTH])
-{
-    const struct mlrt_waist *waist = &bundle->waist;
-    const struct mlrt_hull *whole = &bundle->whole;
-    const int a = waist->main_axis;
-    const float *enter = waist->sign > 0 ? node->lo[a] : node->hi[a],
-                *exit = waist->sign > 0 ? node->hi[a] : node->lo[a];
-    uint32_t met = 0;
-    for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
-        const vf w = v_set1(waist->point[a]), sign = v_set1(waist->sign);
-        const vf from = v_max(v_flip(v_sub(v_load(enter + v), w), sign), v_set1(whole->first));
-        const vf to = v_min(v_flip(v_sub(v_load(exit + v), w), sign), v_set1(whole->last));
-        vm may = v_le(from, to);
-        MLRT_UNROLL
-        for (int i = 0; i < 2; ++i) {
-            const int j = mlrt_slope_axis(a, i);
-            const float lo = whole->slope_lo[i], hi = whole->slope_hi[i];
-            vf upper = greatest_product(from, to, lo, hi, has_places);
-            vf lower = greatest_product(from, to, -hi, -lo, has_places); /* negated */
-            const vf least = v_sub(v_load(node->lo[j] + v), v_set1(waist->point[j]));
-            const vf greatest = v_sub(v_set1(waist->point[j]), v_load(node->hi[j] + v));
-            if (has_places) {
-                upper = v_add(upper, v_set1(whole->place_hi[i]));
-                lower = v_sub(lower, v_set1(whole->place_lo[i]));
-            }
-            may = m_and(may, m_and(v_le(least, upper), v_le(greatest, lower)));
-        }
-        v_store(near + v, from);
-        met |= m_bits(may) << v;
-    }
-    return met;
-}
-
-/* The box of a child, relative to the waist: from .. to in depth, lo .. hi in places. */
-struct box_of_bundle {
-    float from;
-    float to;
-    float lo[2];
-    float hi[2];
-};
-
-MLRT_INLINE void see_bundle_box(const struct mlrt_waist *waist, const struct mlrt_bvh_node *node, uint32_t place,
-                                struct box_of_bundle *box)
-{
-    const int a = waist->main_axis;
-    const float below = node->lo[a][place] - waist->point[a], above = node->hi[a][place] - waist->point[a];
-    box->from = waist->sign > 0 ? below : -above;
-    box->to = waist->sign > 0 ? above : -below;
-    MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) {
-        const int j = mlrt_slope_axis(a, i);
-        box->lo[i] = node->lo[j][place] - waist->point[j];
-        box->hi[i] = node->hi[j][place] - waist->point[j];
-    }
-}
-
-/* Returns the packets that may meet a box. Without places whole.first serves for all: rays start at the waist. */
-MLRT_INLINE uint32_t packets_met(const struct mlrt_bundle *bundle, const struct box_of_bundle *box, int has_places)
-{
-    const struct mlrt_hulls *hulls = &bundle->hulls;
-    const float begin = larger_of(box->from, bundle->whole.first);
-    uint32_t met = 0;
-    if (!(box->to >= begin)) return 0;
-    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
-        vf from = v_set1(begin), to = v_set1(box->to), last = v_load(hulls->last + v);
-        if (has_places) {
-            from = v_max(from, v_load(hulls->first + v));
-            to = last = v_min(to, last);
-        }
-        vm may = v_le(from, last);
-        MLRT_UNROLL
-        for (int i = 0; i < 2; ++i) {
-            const vf lo = v_load(hulls->slope[i].lo + v), hi = v_load(hulls->slope[i].hi + v);
-            const vf place_lo = has_places ? v_load(hulls->place[i].lo + v) : lo;
-            const vf place_hi = has_places ? v_load(hulls->place[i].hi + v) : hi;
-            may = m_and(may, v_le(v_set1(box->lo[i]), upper_place(from, to, lo, hi, place_hi, has_places)));
-            may = m_and(may, v_ge(v_set1(box->hi[i]), lower_place(from, to, lo, hi, place_lo, has_places)));
-        }
-        met |= m_bits(may) << v;
-    }
-    return met;
-}
-
-/* Returns the active rays of a packet that may meet a box: with the slack of hulls (L12). */
-MLRT_INLINE uint32_t lanes_of_packet_met(const struct mlrt_bundle *bundle, uint32_t place,
-                                         const struct box_of_bundle *box)
-{
-    const struct mlrt_hulls *hulls = &bundle->hulls;
-    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
-    const float deepest = larger_of(fabsf(hulls->first[place]), fabsf(hulls->last[place]));
-    float far = 0;
-    MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) {
-        far = larger_of(larger_of(fabsf(hulls->place[i].lo[place]), fabsf(hulls->place[i].hi[place])), far);
-    }
-    const float reach = hulls->filter.reach[place];
-    const vf slack =
-        v_set1(SLOPE_SLACK * (far + reach * deepest) + PLACE_ERROR * reach * hulls->filter.away[place] + HULL_FLOOR);
-    uint32_t met = 0;
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vf last = v_sub(v_load(rays->hi + v), v_load(rays->to_waist[0] + v));
-        const vf moved = v_add(last, v_set1(SLOPE_SLACK * (deepest + hulls->filter.away[place]) + HULL_FLOOR));
-        const vf from = v_max(v_set1(box->from), v_set1(hulls->first[place]));
-        const vf to = v_min(v_min(v_set1(box->to), v_set1(hulls->last[place])), moved);
-        vm may = v_le(from, to);
-        MLRT_UNROLL
-        for (int i = 0; i < 2; ++i) {
-            const vf slope = v_load(rays->term[MLRT_SLOPE_J + i] + v);
-            const vf x = bundle->has.places ? v_load(rays->term[MLRT_PLACE_J + i] + v) : v_set1(0);
-            const vf one = v_mul_add(slope, from, x), other = v_mul_add(slope, to, x);
-            may = m_and(may, v_le(v_set1(box->lo[i]), v_add(v_max(one, other), slack)));
-            may = m_and(may, v_ge(v_set1(box->hi[i]), v_sub(v_min(one, other), slack)));
-        }
-        met |= m_bits(may) << v;
-    }
-    return met & bundle->tile->packets[place].active;
 }
 
 #endif

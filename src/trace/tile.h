@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Traces the packets of a tile, wherever their rays start, through the hierarchy of boxes, in one of three ways.
- * Packets that are alike are traced together as a bundle, by their hulls (ray_hulls.h). Packets that are too wide for
- * that are traced lane by lane (lane_by_lane.h). From a box on that only few lanes meet, these lanes are traced one by
- * one (single_ray.h).
+ * Packets that are alike are traced together as a bundle, by their hulls (ray_hulls.h, hull_boxes.h). Packets that are
+ * too wide for that are traced lane by lane (lane_by_lane.h). From a box on that only few lanes meet, these lanes are
+ * traced one by one (single_ray.h).
  *
  * A bundle visits the nearest boxes first. The sixteen boxes of a node are compared with the hull of the whole bundle
  * at once. Before a box is opened it is compared with the hulls of all sixteen packets at once, since many of them
@@ -24,7 +24,9 @@
 #include "simd/sixteen.h"
 #include "trace/bundle.h"
 #include "trace/cover.h"
+#include "trace/hull_boxes.h"
 #include "trace/ray_hulls.h"
+#include "trace/waist.h"
 #include "trace/lane_by_lane.h"
 #include "trace/cuts.h"
 #include "trace/leaf.h"
