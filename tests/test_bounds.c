@@ -53,9 +53,7 @@ static f4 remembering_divide_four(f4 a, f4 b)
 #undef v_div
 #undef f4_div
 
-#define certain_sign judge_certain_sign /* covering.h has one too */
-#include "exact/predicate.c"
-#undef certain_sign
+#include "exact/quotients.c"
 
 /* ---- numbers without rounding ------------------------------------------------------------------------------------ */
 
@@ -1077,7 +1075,7 @@ static double attack_cover_depth(const float *input)
 
 /* ---- the judge in double ----------------------------------------------------------------------------------------- */
 
-static struct operands load_judge(const float *input)
+static struct mlrt_operands load_judge(const float *input)
 {
     struct mlrt_triangle triangle;
     struct mlrt_ray_segment ray = {.t_max = INFINITY};
@@ -1087,52 +1085,52 @@ static struct operands load_judge(const float *input)
     memcpy(ray.direction, input + 12, sizeof ray.direction);
     load_direction(input, direction);
     load_exactly(input, direction);
-    return load_operands(ray.origin, ray.direction, &triangle);
+    return mlrt_load_operands(ray.origin, ray.direction, &triangle);
 }
 
-static double measured_over(const mpf_t exact, struct measured measured, double error)
+static double measured_over(const mpf_t exact, struct mlrt_measured measured, double error)
 {
     return error_over(exact, measured.value, error * measured.size);
 }
 
 static double attack_judge_edges(const float *input)
 {
-    const struct operands operands = load_judge(input);
-    const struct two_edges edges = measure_edges(&operands);
+    const struct mlrt_operands operands = load_judge(input);
+    const struct mlrt_two_edges edges = mlrt_measure_edges(&operands);
     find_edge(0, truth);
-    const double ratio = measured_over(truth, edges.ab, SIGN_ERROR);
+    const double ratio = measured_over(truth, edges.ab, MLRT_SIGN_ERROR);
     find_edge(2, truth);
-    return fmax(ratio, measured_over(truth, edges.ca, SIGN_ERROR));
+    return fmax(ratio, measured_over(truth, edges.ca, MLRT_SIGN_ERROR));
 }
 
 static double attack_judge_third_edge(const float *input)
 {
-    const struct operands operands = load_judge(input);
-    const struct two_edges edges = measure_edges(&operands);
+    const struct mlrt_operands operands = load_judge(input);
+    const struct mlrt_two_edges edges = mlrt_measure_edges(&operands);
     find_edge(1, truth);
-    return measured_over(truth, measure_third_edge(&edges, measure_crossing(&operands).d), SIGN_ERROR);
+    return measured_over(truth, mlrt_measure_third_edge(&edges, mlrt_measure_crossing(&operands).d), MLRT_SIGN_ERROR);
 }
 
 static double attack_judge_d_and_n(const float *input)
 {
-    const struct operands operands = load_judge(input);
-    const struct crossing crossing = measure_crossing(&operands);
+    const struct mlrt_operands operands = load_judge(input);
+    const struct mlrt_crossing crossing = mlrt_measure_crossing(&operands);
     find_d_and_n(truth, other_truth);
-    const double ratio = measured_over(truth, crossing.d, SIGN_ERROR);
-    return fmax(ratio, measured_over(other_truth, crossing.n, SIGN_ERROR));
+    const double ratio = measured_over(truth, crossing.d, MLRT_SIGN_ERROR);
+    return fmax(ratio, measured_over(other_truth, crossing.n, MLRT_SIGN_ERROR));
 }
 
 /* A 16th input: t. */
 static double attack_judge_beyond(const float *input)
 {
-    const struct operands operands = load_judge(input);
-    const struct crossing crossing = measure_crossing(&operands);
+    const struct mlrt_operands operands = load_judge(input);
+    const struct mlrt_crossing crossing = mlrt_measure_crossing(&operands);
     const float t = fabsf(input[15]);
     find_d_and_n(truth, other_truth);
     mpf_set_d(scratch[0], t);
     mpf_mul(truth, truth, scratch[0]);
     mpf_sub(truth, other_truth, truth);
-    return measured_over(truth, measure_beyond(&crossing, t), SIGN_ERROR);
+    return measured_over(truth, mlrt_measure_beyond(&crossing, t), MLRT_SIGN_ERROR);
 }
 
 /* Nine more inputs: another triangle. */
@@ -1141,25 +1139,25 @@ static double attack_judge_order(const float *input)
     float other[TRIANGLE_AND_RAY];
     memcpy(other, input + 15, 9 * sizeof(float));
     memcpy(other + 9, input + 9, 6 * sizeof(float));
-    const struct operands operands = load_judge(input);
-    const struct crossing crossing = measure_crossing(&operands);
+    const struct mlrt_operands operands = load_judge(input);
+    const struct mlrt_crossing crossing = mlrt_measure_crossing(&operands);
     find_d_and_n(truth, other_truth);
-    const struct operands other_operands = load_judge(other);
-    const struct crossing other_crossing = measure_crossing(&other_operands);
+    const struct mlrt_operands other_operands = load_judge(other);
+    const struct mlrt_crossing other_crossing = mlrt_measure_crossing(&other_operands);
     find_d_and_n(scratch[3], difference);
     mpf_mul(other_truth, other_truth, scratch[3]);
     mpf_mul(truth, truth, difference);
     mpf_sub(truth, other_truth, truth);
-    return measured_over(truth, measure_order(&crossing, &other_crossing), ORDER_ERROR);
+    return measured_over(truth, mlrt_measure_order(&crossing, &other_crossing), MLRT_ORDER_ERROR);
 }
 
 static double attack_judge_quotient(const float *input)
 {
-    const struct operands operands = load_judge(input);
-    const struct crossing crossing = measure_crossing(&operands);
+    const struct mlrt_operands operands = load_judge(input);
+    const struct mlrt_crossing crossing = mlrt_measure_crossing(&operands);
     if (!is_safe_denominator(crossing.d)) return -1;
     const struct enclosure t = enclose_quotient(crossing.n, invert(crossing.d));
-    const struct enclosure u = enclose_quotient(measure_edges(&operands).ca, invert(crossing.d));
+    const struct enclosure u = enclose_quotient(mlrt_measure_edges(&operands).ca, invert(crossing.d));
     find_d_and_n(other_truth, truth);
     mpf_div(truth, truth, other_truth);
     const double ratio = place_in(truth, t.low, t.high);

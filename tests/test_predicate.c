@@ -3,9 +3,10 @@
  * predicate.c against the hit rule in GMP integers: every decision and every rounded quotient, on inputs made to be
  * close or equal. test_bounds.c is about its bounds on errors.
  *
- * predicate.c is included: its parts in double and its exact part are also checked one by one.
+ * predicate.c and quotients.c are included: their parts in double and their exact parts are also checked one by one.
  */
 #include "exact/predicate.c"
+#include "exact/quotients.c"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -9,6 +9,7 @@
 #include <math.h>
 
 #include "exact/predicate.h"
+#include "exact/quotients.h"
 
 /* The nearest hit so far. Before the first hit, lo = hi = t_max. */
 struct mlrt_nearest {

@@ -54,48 +54,8 @@ int mlrt_crosses_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_
 int mlrt_compare_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
                           const struct mlrt_triangle *second, mlrt_counters *counters);
 
-/*
- * Offers a triangle in double alone. `other` is the triangle of the nearest hit so far (NULL: none), whose t lies in
- * [*lo, *hi]. Returns 1 if the ray certainly hits the triangle before that, and sets *lo and *hi to bounds of its t; 0
- * if it certainly does not; -1 if double cannot tell. is_inside: 1 = the ray is known to pass inside the edges.
- */
-int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int is_inside,
-                         const struct mlrt_triangle *other, float *lo, float *hi);
-
 /* 1 if the triangles lie in the same plane: then every ray that hits both hits them at the same t. */
 int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second);
-
-/*
- * Floats around the t of a triangle that the ray hits: 0 <= *lo <= t <= *hi <= inf, as close as double arithmetic can
- * tell. They are nearly always equal or neighbours; 0 and inf if the ray is too nearly parallel to the plane.
- */
-void mlrt_bound_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float *lo,
-                         float *hi);
-
-/*
- * How quotients of determinants are enclosed in double, here and in hits/hit_numbers.h: the errors of numerator and
- * denominator relative to their sizes, and the least denominator, relative to its size, for which they hold. Derived
- * in predicate.c, "Quotients".
- */
-#define MLRT_UNIT_ROUNDOFF     0x1p-53
-#define MLRT_NUMERATOR_ERROR   (12 * MLRT_UNIT_ROUNDOFF)
-#define MLRT_DENOMINATOR_ERROR (9 * MLRT_UNIT_ROUNDOFF)
-#define MLRT_LEAST_DENOMINATOR 0x1p-44
-
-/* Rule R5: t, u, v of a hit, each the exact quotient rounded once to the nearest float (ties to even). */
-struct mlrt_hit_report {
-    float t;
-    float u;
-    float v;
-    int32_t facing; /* sign of d . n */
-};
-
-/*
- * Sets the fields of *report that `outputs` asks for (MLRT_OUTPUT_T, _UV, _FACING or-ed together), for a triangle that
- * the ray hits; so t, u, v are not negative. The other fields stay as they are.
- */
-void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, uint32_t outputs,
-                     struct mlrt_hit_report *report);
 
 /*
  * The sign of (point - a) . n: +1 on the side that the normal points to, 0 in the plane, -1 on the other side. Allows

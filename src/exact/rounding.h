@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Rounding from double to float, up or down, so that bounds remain bounds. */
+/* How far rounding in double is off; and rounding to float, up or down, so that bounds remain bounds. */
 #ifndef MLRT_EXACT_ROUNDING_H
 #define MLRT_EXACT_ROUNDING_H
 
@@ -9,6 +9,9 @@
 #include <string.h>
 
 #include "mlrt.h"
+
+/* u of double: the greatest error of a rounding, relative to what is rounded. */
+#define MLRT_UNIT_ROUNDOFF 0x1p-53
 
 /* The largest float below `a`, which may be infinite. -inf stays. */
 static inline float mlrt_next_down(float a)

@@ -4,16 +4,16 @@
  * lanes that double leaves undecided too go to the judge, one by one (undecided.h). The answers are those of the
  * judge; the bounds of t that are kept with a hit are a little wider than the judge's.
  *
- * WHAT IS COMPUTED. The determinants at the head of predicate.c, with p = a - o and n = b-a cross c-a:
+ * WHAT IS COMPUTED. The determinants at the head of determinants.h, with p = a - o and n = b-a cross c-a:
  *
  *     D = d . n     N = p . n     e_ab = (d cross p) . b-a     e_ca = -(d cross p) . c-a     e_bc = D - e_ab - e_ca
  *
  * The size s(x) of a determinant is the sum of the magnitudes of its six products. It is computed in the same way as
  * the determinant, with all factors and sums positive. (It is not the product of the sizes of its vectors.) As in
- * predicate.c, with u = 2^-53, a determinant as computed is off by at most gamma_8 times the true size (e_bc: gamma_9
+ * determinants.h, with u = 2^-53, a determinant as computed is off by at most gamma_8 times the true size (e_bc: gamma_9
  * times the sum of three). A size as computed has at most 8 factors (e_bc: 10), so it is at least (1 - u)^10 of the
  * true one. That makes 8.001 u and 9.001 u of the computed size. If a size is 0, all six products are 0, and so is the
- * determinant: nothing here underflows (predicate.c, "RANGE").
+ * determinant: nothing here underflows (determinants.h, "RANGE").
  *
  * BOUNDS. In signs that make D positive, let E = 12 u s(N) and W = 12 u s(D). N -+ E and D -+ W have one more rounding
  * each, of at most 1.001 u of the size, and that of the bound, of less than 0.001 u: so they are bounds of the true
@@ -38,6 +38,7 @@
 
 #include <float.h>
 
+#include "exact/rounding.h"
 #include "hits/outcome.h"
 #include "job/write_arrays.h"
 #include "hits/undecided.h"

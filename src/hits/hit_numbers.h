@@ -3,14 +3,14 @@
  * t, u, v and facing of the hits of a packet (rule R5), a vector of doubles at a time, or of one ray. The bits are those
  * of the judge (mlrt_report_hit), since each number is the float nearest to the same exact quotient.
  *
- * With p = a - o, the determinants are those at the head of predicate.c:
+ * With p = a - o, the determinants are those at the head of determinants.h:
  *
  *     normal = (c-a) x (a-b)     D = d . normal     e_ca = (c-a) . (p x d) = d . ((c-a) x p)
  *                                N = p . normal     e_ab = (a-b) . (p x d) = d . ((a-b) x p)
  *
  * Count the factors (1 + delta) of each. A component of a cross product has one for its product, one for its
  * difference, and those of its operands: 1 for a side or p, none for d. The dot product adds those of its other
- * vector, one product and at most two sums. So there are 7 factors, for N 8, as in predicate.c, and the errors are at
+ * vector, one product and at most two sums. So there are 7 factors, for N 8, as in determinants.h, and the errors are at
  * most 8.001 u of the sizes. With fused multiply-add there are fewer.
  *
  * WIDTHS. Let X and D be the determinants as computed, x and d the true ones, and s(X) and s(D) upper bounds of their
@@ -21,7 +21,7 @@
  *
  * u and v are at most 1 where a ray hits, so this is at most 8.001 u (s(X) + s(D)) / |D|. t is at most 1 + 2^-36 times
  * (|N| + 8.001 u s(N)) / |D|, so the error of t is at most 8.002 u (s(N) + 2^12 |N|) / |D|. The quotient X * (1 / D)
- * is rounded twice more, and its ends once each: 3.01 u s(X) / |D| as in predicate.c. The sum is less than w / |D|
+ * is rounded twice more, and its ends once each: 3.01 u s(X) / |D| as in quotients.c. The sum is less than w / |D|
  * with the width
  *
  *     w = 12 u s(X) + 9 u s(D)  for u and v,     w = 12 u s(N) + 9 u 2^12 |N|  for t,
@@ -41,6 +41,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "exact/quotients.h"
 #include "exact/vector.h"
 #include "job/hit_terms.h"
 #include "hits/outcome.h"

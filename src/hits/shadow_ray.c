@@ -9,6 +9,7 @@
 
 #include "exact/nearest.h"
 #include "exact/offset.h"
+#include "exact/quotients.h"
 #include "job/structure.h"
 #include "job/write_arrays.h"
 

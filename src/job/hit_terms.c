@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "exact/predicate.h"
+#include "exact/quotients.h"
 
 static void subtract(const float a[3], const float b[3], double difference[3])
 {

@@ -4,7 +4,7 @@
 #define MLRT_JOB_WRITE_ARRAYS_H
 
 #include "base/rows_ahead.h"
-#include "exact/predicate.h"
+#include "exact/quotients.h"
 #include "rays/packet.h"
 #include "rays/rectangle.h"
 #include "scene/tree.h"

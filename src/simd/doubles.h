@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Vectors of three doubles, DW lanes of each: the products that determinants consist of (exact/predicate.c). No
+ * Vectors of three doubles, DW lanes of each: the products that determinants consist of (exact/determinants.h). No
  * instruction set fuses these operations, because the bits of shadow rays depend on each (hits/shadow_ray.h).
  */
 #ifndef MLRT_SIMD_DOUBLES_H

@@ -33,6 +33,7 @@
 #include <math.h>
 
 #include "bvh/unit.h"
+#include "exact/rounding.h"
 #include "hits/undecided.h"
 #include "trace/planes.h"
 

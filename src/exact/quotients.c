@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The quotients of the hit rule, in double between two ends; exactly where these do not round to one float.
+ *
+ * X and D are computed determinants, x and d the true ones, s(X) and s(D) their sizes: |X - x| <= 8.001 u s(X) and
+ * |D - d| <= 8.001 u s(D), see determinants.h. Let |D| > 2^-44 s(D). Then |D - d| < 1.01 * 2^-6 |D| and, since
+ * 1 / (1 - 1.01 * 2^-6) < 1.017,
+ *
+ *     |x / d - X / D| = |(x - X) D - X (d - D)| / |d D| <= 1.017 * 8.001 u (s(X) + |X / D| s(D)) / |D|.
+ *
+ * The quotient q = X * (1 / D) is rounded twice more, and then q - w and q + w once each: 3.001 u |X / D| in all, which
+ * is at most 3.01 u s(X) / |D| because |X| <= (1 + 20 u) s(X). The sum is below (11.2 s(X) + 8.2 |q| s(D)) u / |D|. The
+ * constants in quotients.h are 12 and 9, which leaves room for the roundings of the half-width w itself.
+ */
+#include "exact/quotients.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "exact/determinants.h"
+#include "exact/grid.h"
+
+/* 1 / D, and the error of a quotient by D that comes from D, relative to the quotient. */
+struct denominator {
+    double inverse;
+    double error;
+};
+
+/* low <= x / d <= high, for the true determinants. */
+struct enclosure {
+    double low, high;
+};
+
+MLRT_INLINE int is_safe_denominator(struct mlrt_measured d)
+{
+    return fabs(d.value) > MLRT_LEAST_DENOMINATOR * d.size;
+}
+
+MLRT_INLINE struct denominator invert(struct mlrt_measured d)
+{
+    double inverse = 1 / d.value;
+    return (struct denominator){inverse, MLRT_DENOMINATOR_ERROR * d.size * fabs(inverse)};
+}
+
+MLRT_INLINE struct enclosure enclose_quotient(struct mlrt_measured x, struct denominator d)
+{
+    double quotient = x.value * d.inverse;
+    double width = MLRT_NUMERATOR_ERROR * x.size * fabs(d.inverse) + fabs(quotient) * d.error;
+    return (struct enclosure){quotient - width, quotient + width};
+}
+
+void mlrt_bound_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float *lo, float *hi)
+{
+    const struct mlrt_crossing crossing = mlrt_cross_plane(ray->origin, ray->direction, triangle);
+    if (MLRT_UNLIKELY(!is_safe_denominator(crossing.d))) {
+        *lo = 0;
+        *hi = INFINITY;
+        return;
+    }
+    struct enclosure t = enclose_quotient(crossing.n, invert(crossing.d));
+    *lo = mlrt_float_down(t.low > 0 ? t.low : 0); // a hit has t > 0
+    *hi = mlrt_float_up(t.high);
+}
+
+int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int is_inside,
+                         const struct mlrt_triangle *other, float *lo, float *hi)
+{
+    const struct mlrt_operands operands = mlrt_load_operands(ray->origin, ray->direction, triangle);
+    const struct mlrt_crossing crossing = mlrt_measure_crossing(&operands);
+    const int facing = mlrt_certain_sign(crossing.d, MLRT_SIGN_ERROR);
+    const int beyond_t_min = facing * mlrt_certain_sign(mlrt_measure_beyond(&crossing, ray->t_min), MLRT_SIGN_ERROR);
+    if (beyond_t_min < 0) return 0; /* most rays that are offered here start beside a surface and leave it */
+    if (facing == 0 || !is_safe_denominator(crossing.d)) return -1;
+    if (!is_inside) {
+        const struct mlrt_two_edges edges = mlrt_measure_edges(&operands);
+        const int ab = facing * mlrt_certain_sign(edges.ab, MLRT_SIGN_ERROR),
+                  ca = facing * mlrt_certain_sign(edges.ca, MLRT_SIGN_ERROR);
+        const int bc = facing * mlrt_certain_sign(mlrt_measure_third_edge(&edges, crossing.d), MLRT_SIGN_ERROR);
+        if (ab < 0 || bc < 0 || ca < 0) return 0;
+        is_inside = ab > 0 && bc > 0 && ca > 0;
+    }
+    const struct enclosure t = enclose_quotient(crossing.n, invert(crossing.d));
+    if (t.low > *hi) return 0;
+    if (!is_inside || beyond_t_min == 0) return -1;
+    if (!(t.high < *lo)) {
+        if (!other) return -1;
+        const struct mlrt_crossing crossing_2 = mlrt_cross_plane(ray->origin, ray->direction, other);
+        const int order = facing * mlrt_certain_sign(crossing_2.d, MLRT_SIGN_ERROR) *
+                          mlrt_certain_sign(mlrt_measure_order(&crossing, &crossing_2), MLRT_ORDER_ERROR);
+        if (order >= 0) return order > 0 ? 0 : -1;
+    }
+    *lo = mlrt_float_down(t.low > 0 ? t.low : 0);
+    *hi = mlrt_float_up(t.high);
+    return 1;
+}
+
+/* The float nearest to x / d. The quotient is not negative. */
+static float round_quotient_exactly(const struct mlrt_exact *x, const struct mlrt_exact *d)
+{
+    if (x->sign == 0) return 0;
+    // The relative errors are 2^-51 at most for each conversion and u for the division: below 2^-49 together.
+    double quotient = fabs(mlrt_exact_to_double(x) / mlrt_exact_to_double(d));
+    float low = (float)(quotient * (1 - 0x1p-49));
+    float high = (float)(quotient * (1 + 0x1p-49));
+    if (low == high) return low;
+
+    // Neighbours. Quotients round to inf from midway between FLT_MAX and 2^128 on, as if 2^128 were the next float.
+    double midpoint = 0.5 * ((double)low + (high > FLT_MAX ? 0x1p128 : (double)high));
+    struct mlrt_exact exact_midpoint, threshold;
+    mlrt_exact_from_double(midpoint, &exact_midpoint);
+    mlrt_exact_multiply(&exact_midpoint, d, &threshold);
+    int order = mlrt_exact_compare_magnitude(x, &threshold);
+    if (order != 0) return order < 0 ? low : high;
+    uint32_t low_bits;
+    memcpy(&low_bits, &low, sizeof low_bits);
+    return low_bits % 2 == 0 ? low : high;
+}
+
+/* Sets *result to the float that all numbers within 2^-49 of the quotient round to. Returns 0 if there is none. */
+static int round_close_quotient(double quotient, float *result)
+{
+    *result = (float)(quotient * (1 + 0x1p-48));
+    return (float)(quotient * (1 - 0x1p-48)) == *result;
+}
+
+/* Sets those of the outputs that grid.h determines. Returns the others. */
+static uint32_t report_hit_on_grid(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
+                                   uint32_t outputs, struct mlrt_hit_report *report)
+{
+    double quotient[3];
+    float u, v;
+    if (!(outputs & (MLRT_OUTPUT_T | MLRT_OUTPUT_UV)) || !mlrt_grid_quotients(ray, triangle, quotient)) return outputs;
+    if (outputs & MLRT_OUTPUT_T && round_close_quotient(quotient[0], &report->t)) outputs &= ~(uint32_t)MLRT_OUTPUT_T;
+    if (outputs & MLRT_OUTPUT_UV && round_close_quotient(quotient[1], &u) && round_close_quotient(quotient[2], &v)) {
+        report->u = u;
+        report->v = v;
+        outputs &= ~(uint32_t)MLRT_OUTPUT_UV;
+    }
+    return outputs;
+}
+
+static MLRT_NOINLINE void report_hit_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
+                                             uint32_t outputs, struct mlrt_hit_report *report)
+{
+    outputs = report_hit_on_grid(ray, triangle, outputs, report);
+    if (!outputs) return;
+    struct mlrt_exact x, d;
+    mlrt_exact_crossing(ray, triangle, &d, &x);
+    if (outputs & MLRT_OUTPUT_FACING) report->facing = d.sign;
+    if (outputs & MLRT_OUTPUT_T) report->t = round_quotient_exactly(&x, &d);
+    if (outputs & MLRT_OUTPUT_UV) {
+        mlrt_exact_edge(ray, triangle->v[2], triangle->v[0], &x);
+        report->u = round_quotient_exactly(&x, &d);
+        mlrt_exact_edge(ray, triangle->v[0], triangle->v[1], &x);
+        report->v = round_quotient_exactly(&x, &d);
+    }
+}
+
+/* Sets *result to the float that every number of the enclosure rounds to. Returns 0 if there is none. */
+MLRT_INLINE int round_enclosure(struct enclosure enclosure, float *result)
+{
+    *result = (float)enclosure.high;
+    return MLRT_GUESS || (float)enclosure.low == *result;
+}
+
+/*
+ * Sets *t to the rounded (a - o) / d of a triangle in a plane across an axis. This case is frequent: a camera that
+ * looks along an axis has d = 1 for all rays, and if a - o lies midway between two floats, all of a wall is undecided.
+ *
+ * Let a - o be exact in double, and q the rounded quotient. A number midway between two floats is a double, so q lies
+ * on the same side of it as the true quotient, unless q is the midway number. Then q has 25 bits and q d is exact: if
+ * it equals a - o, q is the true quotient. Returns 0 if that does not determine *t.
+ */
+static int round_flat_quotient(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float *t)
+{
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        if (!mlrt_is_across(triangle, axis)) continue;
+        const double to = triangle->v[0][axis], from = ray->origin[axis], d = ray->direction[axis];
+        const double difference = to - from, back = to - difference;
+        if (d == 0 || (to - (difference + back)) - (from - back) != 0) return 0;
+        const double quotient = difference / d;
+        *t = (float)quotient;
+        return quotient * d == difference || (float)(quotient * (1 - 0x1p-51)) == (float)(quotient * (1 + 0x1p-51));
+    }
+    return 0;
+}
+
+void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, uint32_t outputs,
+                     struct mlrt_hit_report *report)
+{
+    struct mlrt_operands operands = mlrt_load_operands(ray->origin, ray->direction, triangle);
+    struct mlrt_crossing crossing = mlrt_measure_crossing(&operands);
+    if (MLRT_UNLIKELY(!is_safe_denominator(crossing.d))) {
+        report_hit_exactly(ray, triangle, outputs, report);
+        return;
+    }
+    struct denominator d = invert(crossing.d);
+    uint32_t undecided = 0;
+    if (outputs & MLRT_OUTPUT_FACING) report->facing = crossing.d.value > 0 ? 1 : -1;
+    if (outputs & MLRT_OUTPUT_T) {
+        if (!round_enclosure(enclose_quotient(crossing.n, d), &report->t) &&
+            !round_flat_quotient(ray, triangle, &report->t)) {
+            undecided |= MLRT_OUTPUT_T;
+        }
+    }
+    if (outputs & MLRT_OUTPUT_UV) {
+        struct mlrt_two_edges edges = mlrt_measure_edges(&operands);
+        int both = round_enclosure(enclose_quotient(edges.ca, d), &report->u);
+        both &= round_enclosure(enclose_quotient(edges.ab, d), &report->v);
+        if (!both) undecided |= MLRT_OUTPUT_UV;
+    }
+    if (MLRT_UNLIKELY(undecided != 0)) report_hit_exactly(ray, triangle, undecided, report);
+}
