@@ -752,13 +752,13 @@ static double outlines_over(const float *input, int has_places)
 {
     double worst = 0;
     float point[9];
-    struct hull_outline hull;
+    struct mlrt_hull hull;
     if (!bundle_of(input, 1, has_places)) return -1;
     for (int i = 0; i < 9; i++) point[i] = input[i % 3];
     bundle.waist.is_beam = fabsf(input[3]) > 1;
     for (int i = 0; i < 2; i++) bundle.waist.slope[i] = bundle.waist.is_beam ? fminf(fmaxf(input[4 + i], -2), 2) : 0;
     set_up_triangle(point);
-    outline_packet(&bundle, 0, &hull);
+    take_hull(&bundle, 0, &hull);
     const struct mlrt_hulls *hulls = &bundle.hulls;
     const double error = has_places ? PLACE_ERROR * (hulls->filter.reach[0] * hulls->filter.away[0]) + PLACE_FLOOR : 0;
     const double depth = fabs(mpf_get_d(corner[0].x[0]));
@@ -871,8 +871,8 @@ static double attack_apex_cut(const float *input)
 /* Is the triangle left out for the packet, by where it is seen or by its edges? */
 static int is_cut(int has_places)
 {
-    struct hull_outline hull;
-    outline_packet(&bundle, 0, &hull);
+    struct mlrt_hull hull;
+    take_hull(&bundle, 0, &hull);
     leaf.row = 4;
     if (!(triangles_met(&bundle, &leaf, &hull, has_places, 1) & 1)) return 1;
     return !(triangles_within_edges(&bundle, &leaf, 0, has_places, 1) & 1);

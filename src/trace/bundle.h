@@ -115,7 +115,7 @@ struct mlrt_hulls {
     struct mlrt_closed_packets closed;
 };
 
-/* One hull of all packets of a bundle. */
+/* One hull: of all packets of a bundle, or of one. */
 struct mlrt_hull {
     float slope_lo[2];
     float slope_hi[2];

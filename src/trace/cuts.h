@@ -84,8 +84,8 @@ MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, co
 MLRT_INLINE uint32_t cut_triangles_by(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                       uint32_t place, int has_places, uint32_t seen)
 {
-    struct hull_outline hull;
-    outline_packet(bundle, place, &hull);
+    struct mlrt_hull hull;
+    take_hull(bundle, place, &hull);
     const uint32_t met = triangles_met(bundle, leaf, &hull, has_places, seen);
     return met ? triangles_within_edges(bundle, leaf, place, has_places, met) : 0;
 }

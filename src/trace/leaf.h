@@ -252,9 +252,8 @@ MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_jo
         begin_bundle_leaf(job->tree, &bundle->waist, bundle->has.places, child, worker->mask, leaf);
         cache->children[place] = child;
     }
-    struct hull_outline whole;
-    outline_whole(bundle, &whole);
-    *seen = triangles_met(bundle, leaf, &whole, has_places, has_places ? leaf->state.there : leaf->state.from_waist);
+    *seen = triangles_met(bundle, leaf, &bundle->whole, has_places,
+                          has_places ? leaf->state.there : leaf->state.from_waist);
     if (*seen & ~leaf->state.ready) set_up_triangles(job->tree, &bundle->waist, *seen & ~leaf->state.ready, leaf);
     if (MLRT_UNLIKELY(leaf->state.doubtful != 0) && !has_places) {
         mlrt_settle_signs(job->tree, &bundle->waist, leaf);

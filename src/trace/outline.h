@@ -36,14 +36,6 @@
 /* A triangle that comes nearer to the waist, in depth, is not a fan. */
 #define LEAST_FAN_DEPTH 0x1p-60f
 
-/* The hull of a packet, or of all, to be compared with outlines. */
-struct hull_outline {
-    float first;
-    float last;
-    float slope_lo[2], slope_hi[2];
-    float place_lo[2], place_hi[2];
-};
-
 /* The greatest |x| of a hull. */
 MLRT_INLINE vf greatest_place(vf lo, vf hi)
 {
@@ -57,21 +49,8 @@ MLRT_INLINE vf greatest_turn(const struct mlrt_waist *waist, int side, vf lo, vf
     return v_mul(v_max(v_abs(v_sub(lo, slope)), v_abs(v_sub(hi, slope))), v_set1(1 + SLOPE_SLACK));
 }
 
-/* Takes the hull of all packets of a bundle. */
-MLRT_INLINE void outline_whole(const struct mlrt_bundle *bundle, struct hull_outline *of)
-{
-    const struct mlrt_hull *whole = &bundle->whole;
-    of->first = whole->first;
-    of->last = whole->last;
-    MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) {
-        of->slope_lo[i] = whole->slope_lo[i], of->slope_hi[i] = whole->slope_hi[i];
-        of->place_lo[i] = whole->place_lo[i], of->place_hi[i] = whole->place_hi[i];
-    }
-}
-
 /* Takes the hull of one packet. */
-MLRT_INLINE void outline_packet(const struct mlrt_bundle *bundle, uint32_t place, struct hull_outline *of)
+MLRT_INLINE void take_hull(const struct mlrt_bundle *bundle, uint32_t place, struct mlrt_hull *of)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
     of->first = hulls->first[place];
@@ -148,7 +127,7 @@ MLRT_INLINE void find_outline_ends(const struct mlrt_waist *waist, int side, vf 
 
 /* Returns the triangles of `among` that rays of a hull may hit, by their outlines. Most leaves have only fans. */
 MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                   const struct hull_outline *hull, int has_places, uint32_t among)
+                                   const struct mlrt_hull *hull, int has_places, uint32_t among)
 {
     const int are_fans = !(among & ~leaf->state.fans);
     uint32_t met = 0;
