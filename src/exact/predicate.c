@@ -70,15 +70,10 @@ static int certain_side(const struct mlrt_triangle *triangle, struct mlrt_vector
     return mlrt_certain_sign((struct mlrt_measured){mlrt_dot(v, normal.n), size * normal.size}, MLRT_SIGN_ERROR);
 }
 
-static int certain_side_of_point(const struct mlrt_triangle *triangle, const float point[3])
-{
-    const struct mlrt_vector v = mlrt_subtract(mlrt_vector_at(point, 1), mlrt_vector_at(triangle->v[0], 1));
-    return certain_side(triangle, v, mlrt_size_of(v));
-}
-
 int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3])
 {
-    const int side = certain_side_of_point(triangle, point);
+    const struct mlrt_vector v = mlrt_subtract(mlrt_vector_at(point, 1), mlrt_vector_at(triangle->v[0], 1));
+    const int side = certain_side(triangle, v, mlrt_size_of(v));
     return side != 0 ? side : side_of_plane_exactly(triangle, point);
 }
 
