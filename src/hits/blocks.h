@@ -21,11 +21,17 @@ MLRT_INLINE void get_packet(const struct mlrt_job *job, const struct mlrt_rectan
     check_block(&job->source, lanes, packet);
 }
 
+/* Traces the rays of a packet that float does not carry. */
+static void finish_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_packet *packet)
+{
+    if (MLRT_UNLIKELY(packet->single != 0)) mlrt_trace_single_rays(job, packet->single, packet, COUNTERS(worker));
+}
+
 /* Traces the single rays of a packet, and writes the results of all, and their shadows. */
 static void end_packet(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t lanes,
                        const struct mlrt_rectangle *block, struct mlrt_packet *packet)
 {
-    if (packet->single) mlrt_trace_single_rays(job, packet->single, packet, COUNTERS(worker));
+    finish_packet(job, worker, packet);
     write_packet(job, worker, packet, lanes, block);
     if (MLRT_LIKELY(!job->light_count)) return;
     uint8_t shadows[MLRT_PACKET_RAYS];

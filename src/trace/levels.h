@@ -44,7 +44,7 @@ static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker,
 {
     struct mlrt_packet *packet = &tile->packets[place];
     const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
-    if (MLRT_UNLIKELY(packet->single)) finish_packet(job, worker, packet);
+    finish_packet(job, worker, packet);
     add_to_row(packet, mlrt_existing_lanes(&job->source, &block), &block, row);
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Makes the rays of a tile's packets, and traces those that bundles leave.
+ * Makes the rays of a tile's packets.
  */
 #ifndef MLRT_TRACE_MAKE_RAYS_H
 #define MLRT_TRACE_MAKE_RAYS_H
@@ -19,12 +19,6 @@ static void make_picture_rays(const struct mlrt_job *job, struct mlrt_ray_tile *
     get_packet(job, &block, mlrt_existing_lanes(&job->source, &block), &tile->packets[place]);
 }
 
-/* The lanes of a packet that hit a triangle. */
-MLRT_INLINE uint32_t lanes_with_hit(const struct mlrt_packet *packet)
-{
-    return ~mlrt_same_words(packet->nearest.triangle, MLRT_NONE) & 0xFFFF;
-}
-
 /* Returns the lanes of a picture's packet that hit a triangle. A closed packet without rays gets its rays first. */
 static uint32_t find_seen(const struct mlrt_job *picture, struct mlrt_ray_tile *seen, uint32_t place)
 {
@@ -35,7 +29,7 @@ static uint32_t find_seen(const struct mlrt_job *picture, struct mlrt_ray_tile *
         make_picture_rays(picture, seen, place);
         mlrt_fill_words(packet->nearest.triangle, seen->cells->hulls.closed.cover[place]);
     }
-    return lanes & lanes_with_hit(packet);
+    return lanes & ~lanes_of_triangle(packet, MLRT_NONE);
 }
 
 /*
@@ -79,12 +73,6 @@ static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_ray_tile *t
         waiting |= ((tile->packets[place].active | tile->packets[place].single) != 0u) << place;
     }
     return waiting;
-}
-
-/* Traces the rays of a packet that float does not carry. */
-static void finish_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_packet *packet)
-{
-    if (packet->single) mlrt_trace_single_rays(job, packet->single, packet, COUNTERS(worker));
 }
 
 #endif

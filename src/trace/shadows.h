@@ -126,7 +126,7 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
         if (!(tile.made >> place & 1)) continue;
         COUNT(&worker->counters, ray_count, mlrt_count_bits(find_seen(job, seen, place) & ~tile.dark[place]));
         finish_packet(light, worker, &tile.packets[place]);
-        dark_lanes[place] = tile.dark[place] | lanes_with_hit(&tile.packets[place]);
+        dark_lanes[place] = tile.dark[place] | (0xFFFF & ~lanes_of_triangle(&tile.packets[place], MLRT_NONE));
     }
 }
 
