@@ -30,24 +30,19 @@ MLRT_INLINE void load_nearest_hits(const struct mlrt_bundle_rays *rays, const st
     nearest->triangle = i_load(packet->nearest.triangle + v);
 }
 
-/* Sets bounds of tau from those of N and D. The slack covers the two roundings of each (L8). */
-MLRT_INLINE void find_quotients(vf least_n, vf greatest_n, vf least_d, vf greatest_d, vf *lo, vf *hi)
-{
-    const vf quotient = v_mul(v_div(least_n, greatest_d), v_set1(1 - RECIPROCAL_SLACK));
-    *lo = v_min(quotient, v_set1(GREATEST_DISTANCE));
-    *hi = v_mul(v_div(greatest_n, least_d), v_set1(1 + RECIPROCAL_SLACK));
-}
-
-/* Stores the nearest hits of a vector where they are not the packet's. Returns the lanes where they were stored. */
+/*
+ * Stores the nearest hits of a vector where they are not the packet's. The slack covers the two roundings of each
+ * quotient (L8). Returns the lanes where they were stored.
+ */
 MLRT_INLINE uint32_t store_nearest_hits(const struct nearest_hits *nearest, int v, struct mlrt_bundle_rays *rays,
                                         struct mlrt_packet *packet)
 {
     const vm same = i_eq(nearest->triangle, i_load(packet->nearest.triangle + v));
     const uint32_t changed = ~m_bits(same) & ALL_LANES;
     if (!changed) return 0;
-    vf lo, hi;
-    find_quotients(nearest->least_n, nearest->greatest_n, nearest->least_d, nearest->greatest_d, &lo, &hi);
-    v_store(rays->lo + v, v_select(same, v_load(rays->lo + v), lo));
+    const vf lo = v_mul(v_div(nearest->least_n, nearest->greatest_d), v_set1(1 - RECIPROCAL_SLACK));
+    const vf hi = v_mul(v_div(nearest->greatest_n, nearest->least_d), v_set1(1 + RECIPROCAL_SLACK));
+    v_store(rays->lo + v, v_select(same, v_load(rays->lo + v), v_min(lo, v_set1(GREATEST_DISTANCE))));
     v_store(rays->hi + v, v_select(same, v_load(rays->hi + v), hi));
     i_store(packet->nearest.triangle + v, nearest->triangle);
     return changed << v;

@@ -495,13 +495,20 @@ static MLRT_NOINLINE void finish_hulls(struct mlrt_bundle *bundle, int v)
     }
 }
 
+MLRT_INLINE void set_whole_last(struct mlrt_bundle *bundle)
+{
+    vf last = v_set1(-INFINITY);
+    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) last = v_max(v_load(bundle->hulls.last + v), last);
+    bundle->whole.last = v_hmax(last);
+}
+
 /* Sets the hull of all packets of the bundle. */
 static MLRT_NOINLINE void sum_up_hulls(struct mlrt_bundle *bundle)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
     struct mlrt_hull *whole = &bundle->whole;
     struct extremes slope[2] = {NO_EXTREMES, NO_EXTREMES}, place[2] = {NO_EXTREMES, NO_EXTREMES};
-    vf first = v_set1(INFINITY), last = v_set1(-INFINITY);
+    vf first = v_set1(INFINITY);
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
@@ -511,7 +518,6 @@ static MLRT_NOINLINE void sum_up_hulls(struct mlrt_bundle *bundle)
             place[i].negated = v_min(v_sub(v_set1(0), v_load(hulls->place[i].hi + v)), place[i].negated);
         }
         first = v_min(v_load(hulls->first + v), first);
-        last = v_max(v_load(hulls->last + v), last);
     }
     MLRT_ALIGNED(16) float least[4];
     f4_store(least, v_hmin4(slope[0].least, slope[1].least, slope[0].negated, slope[1].negated));
@@ -519,19 +525,9 @@ static MLRT_NOINLINE void sum_up_hulls(struct mlrt_bundle *bundle)
     for (int i = 0; i < 2; ++i) whole->slope_lo[i] = least[i], whole->slope_hi[i] = -least[2 + i];
     f4_store(least, v_hmin4(place[0].least, place[1].least, place[0].negated, place[1].negated));
     MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) {
-        whole->place_lo[i] = least[i];
-        whole->place_hi[i] = -least[2 + i];
-    }
+    for (int i = 0; i < 2; ++i) whole->place_lo[i] = least[i], whole->place_hi[i] = -least[2 + i];
     whole->first = v_hmin(first);
-    whole->last = v_hmax(last);
-}
-
-MLRT_INLINE void set_whole_last(struct mlrt_bundle *bundle)
-{
-    vf last = v_set1(-INFINITY);
-    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) last = v_max(v_load(bundle->hulls.last + v), last);
-    bundle->whole.last = v_hmax(last);
+    set_whole_last(bundle);
 }
 
 /* Takes a packet out of the bundle. */
