@@ -8,7 +8,7 @@
 #include "rays/array_layout.h"
 #include "rays/rectangle.h"
 #include "trace/bundle.h"
-#include "trace/plane_order.h"
+#include "trace/planes.h"
 #include "trace/ray_tile.h"
 
 /* Makes a point the waist. Returns 0 if it is not exact in units, or if float does not carry it. */
