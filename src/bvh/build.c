@@ -220,6 +220,14 @@ static float limit_reference(float bound)
     return bound < -REFERENCE_LIMIT ? -REFERENCE_LIMIT : bound > REFERENCE_LIMIT ? REFERENCE_LIMIT : bound;
 }
 
+/* 1 if a bound of the box is so large that references have none. */
+static int is_far(const struct mlrt_quad_box *box)
+{
+    int is_beyond = 0;
+    for (int k = 0; k < 3; k++) is_beyond |= box->lo[k] < -MLRT_BVH_FAR || box->hi[k] > MLRT_BVH_FAR;
+    return is_beyond;
+}
+
 /* Brings a reference into units. */
 static void scale_reference(float unit, struct mlrt_quad_box *reference)
 {
@@ -229,13 +237,19 @@ static void scale_reference(float unit, struct mlrt_quad_box *reference)
     }
 }
 
-/* Sets a reference to a whole triangle. */
-static void set_reference(struct mlrt_quad_box *reference, const struct mlrt_triangle *triangle, uint32_t number)
+/*
+ * A reference to a whole triangle: the box of mlrt_bound_triangle. The last vertex is read from one float earlier, so as
+ * not to read past it. A vector load that waited for the store of a single float would take as long as all of this.
+ */
+MLRT_INLINE struct growing_box reference_of(const struct mlrt_triangle *triangle, uint32_t number)
 {
     const uint32_t bits = number | MLRT_REFERENCE_MARK;
-    mlrt_bound_triangle(triangle, reference->lo, reference->hi);
-    memcpy(&reference->lo[3], &bits, sizeof bits);
-    reference->hi[3] = 0;
+    const f4 a = f4_load_any(triangle->v[0]), b = f4_load_any(triangle->v[1]), zero = f4_set1(0);
+    const f4 c = f4_rest(f4_load_any(triangle->v[1] + 2));
+    const f4 lo = f4_add(f4_min(c, f4_min(a, b)), zero), hi = f4_add(f4_max(c, f4_max(a, b)), zero);
+    float word;
+    memcpy(&word, &bits, sizeof word);
+    return (struct growing_box){f4_join(lo, f4_set1(word)), f4_join(hi, zero)};
 }
 
 /* Makes a reference for each triangle of a chunk that is not left out, from the place of the chunk's first triangle. */
@@ -244,24 +258,24 @@ static double make_chunk_references(struct build *build, uint32_t number, uint32
     struct chunk *chunk = &build->work.chunks[number];
     const uint32_t first = number * CHUNK_SIZE;
     const uint32_t last = first + mlrt_item_size(build->tree->triangle_count, CHUNK_SIZE, number);
+    const float unit = build->tree->bvh.unit;
+    struct mlrt_quad_box *references = build->references.boxes + first;
+    struct growing_set set = empty_set();
     (void)worker;
-    *chunk = (struct chunk){.bounds = MLRT_NO_BOX};
+    *chunk = (struct chunk){.count = 0};
     for (uint32_t i = first; i < last; i++) {
         const struct mlrt_triangle *triangle = &build->tree->triangles[i];
-        if (mlrt_keep_triangle(triangle, &chunk->non_finite_count, &chunk->zero_area_count))
-            set_reference(&build->references.boxes[first + chunk->count++], triangle, i);
+        if (!mlrt_keep_triangle(triangle, &chunk->non_finite_count, &chunk->zero_area_count)) continue;
+        const struct growing_box reference = reference_of(triangle, i);
+        store_box(&reference, &references[chunk->count++]);
+        add_reference(&set, reference.lo, reference.hi);
     }
-    for (uint32_t i = 0; i < chunk->count; i++) {
-        struct mlrt_quad_box *reference = &build->references.boxes[first + i];
-        int is_far = 0;
-        for (int k = 0; k < 3; k++) {
-            const float lo = reference->lo[k], hi = reference->hi[k];
-            chunk->bounds.lo[k] = lo < chunk->bounds.lo[k] ? lo : chunk->bounds.lo[k];
-            chunk->bounds.hi[k] = hi > chunk->bounds.hi[k] ? hi : chunk->bounds.hi[k];
-            is_far |= lo < -MLRT_BVH_FAR || hi > MLRT_BVH_FAR;
-        }
-        if (build->tree->bvh.unit != 1 || is_far) scale_reference(build->tree->bvh.unit, reference);
-    }
+    chunk->set = finish_set(&set, first, chunk->count);
+    memcpy(chunk->bounds.lo, chunk->set.box.lo, sizeof chunk->bounds.lo);
+    memcpy(chunk->bounds.hi, chunk->set.box.hi, sizeof chunk->bounds.hi);
+    if (unit == 1 && !is_far(&chunk->set.box)) return CHUNK_SIZE * FIRST_WORK;
+    for (uint32_t i = 0; i < chunk->count; i++)
+        if (unit != 1 || is_far(&references[i])) scale_reference(unit, &references[i]);
     chunk->set = mlrt_measure_set(build->references.boxes, first, chunk->count, build->progress);
     return CHUNK_SIZE * FIRST_WORK;
 }
@@ -533,7 +547,7 @@ static uint32_t build_subtree(struct build *build, struct portion *portion, stru
     if (!cut(build, portion, node, sides)) {
         mlrt_choose_leaf(&build->costs, area, node, costs);
         for (uint32_t i = node->first; i < node->first + node->count; i++)
-            build->binary.triangles[i] = mlrt_reference_word(&build->references.boxes[i]);
+            build->binary.words[i] = mlrt_reference_word(&build->references.boxes[i]);
         return portion->node + 1;
     }
     sides[1].node = node->upper = build_subtree(build, &sides[0], &side_costs[0]);
@@ -704,7 +718,8 @@ static uint64_t lay_out_work(struct build *build, unsigned char *memory)
     uint64_t size = 0;
     build->work.chunks = take(memory, build->limits.chunk_count, sizeof *build->work.chunks, &size);
     build->binary.nodes = take(memory, 2 * (size_t)build->limits.leaf_limit - 1, sizeof *build->binary.nodes, &size);
-    build->binary.triangles = take(memory, build->limits.capacity, sizeof *build->binary.triangles, &size);
+    build->binary.words =
+        take(memory, (size_t)build->limits.capacity + MLRT_WORDS_AHEAD, sizeof *build->binary.words, &size);
     build->work.tasks = take(memory, build->limits.task_capacity, sizeof *build->work.tasks, &size);
     build->work.forests = take(memory, (size_t)build->limits.task_capacity + 1, sizeof *build->work.forests, &size);
     build->work.level = take(memory, build->limits.level_capacity, sizeof *build->work.level, &size);

@@ -89,23 +89,46 @@ static uint32_t sort_numbers(const uint32_t *words, uint32_t count, uint32_t *nu
     return first;
 }
 
+/* Prefetches the triangle of a word. Where there is no reference, it is any triangle. */
+MLRT_INLINE void prefetch_triangle(const struct mlrt_tree *tree, uint32_t word)
+{
+    const uint32_t number = word & ~MLRT_REFERENCE_COPY;
+    mlrt_prefetch(&tree->triangles[number < tree->triangle_count ? number : 0]);
+}
+
+/* Writes a triangle of a leaf whose rows have `row` floats; NULL = it has no corners. */
+MLRT_INLINE void write_corners(const struct mlrt_triangle *triangle, uint32_t row, float *corner)
+{
+    for (uint32_t i = 0; i < 9; i++) corner[i * row] = triangle != NULL ? triangle->v[i / 3][i % 3] : NAN;
+}
+
 static void write_leaf(const struct mlrt_binary_tree *binary, const struct mlrt_binary_node *node,
                        const struct mlrt_tree *tree, uint32_t quad)
 {
+    const int is_usual = mlrt_has_usual_triangles(tree);
+    const uint32_t *words = binary->words + node->first;
     uint32_t *numbers = tree->bvh.numbers + 4 * (size_t)quad;
-    uint32_t place_count = 4 * quads_of(node->count);
-    for (uint32_t i = 0; i < node->count; i++)
-        mlrt_prefetch(&tree->triangles[binary->triangles[node->first + i] & ~MLRT_REFERENCE_COPY]);
-    const uint32_t first = sort_numbers(binary->triangles + node->first, node->count, numbers);
-    for (uint32_t place = node->count; place < place_count; place++) numbers[place] = MLRT_NONE;
-    float *row = tree->bvh.corners + 36 * (size_t)quad;
-    for (uint32_t place = 0; place < place_count; place++) {
-        struct mlrt_triangle triangle;
-        const int has_corners =
-            place < node->count && mlrt_triangle_in_units(&tree->triangles[numbers[place]], tree->bvh.unit, &triangle);
-        for (uint32_t i = 0; i < 9; i++) row[i * place_count + place] = has_corners ? triangle.v[i / 3][i % 3] : NAN;
-        if (tree->bvh.places != NULL && has_corners && first >> place & 1)
-            tree->bvh.places[numbers[place]] = mlrt_pack_place(quad, place_count / 4, place);
+    float *corners = tree->bvh.corners + 36 * (size_t)quad;
+    const uint32_t row = 4 * quads_of(node->count);
+    for (uint32_t i = 0; i < node->count; i++) prefetch_triangle(tree, words[i + MLRT_WORDS_AHEAD]);
+    const uint32_t first = sort_numbers(words, node->count, numbers);
+    for (uint32_t place = 0; place < node->count; place++) {
+        const struct mlrt_triangle *given = &tree->triangles[numbers[place]];
+        struct mlrt_triangle in_units;
+        if (is_usual) {
+            write_corners(given, row, corners + place);
+        } else if (mlrt_triangle_in_units(given, tree->bvh.unit, &in_units)) {
+            write_corners(&in_units, row, corners + place);
+        } else {
+            write_corners(NULL, row, corners + place);
+            continue;
+        }
+        if (tree->bvh.places != NULL && first >> place & 1)
+            tree->bvh.places[numbers[place]] = mlrt_pack_place(quad, row / 4, place);
+    }
+    for (uint32_t place = node->count; place < row; place++) {
+        numbers[place] = MLRT_NONE;
+        write_corners(NULL, row, corners + place);
     }
 }
 

@@ -47,10 +47,16 @@ void mlrt_choose_leaf(const struct mlrt_bvh_costs *costs, float area, struct mlr
 void mlrt_choose_cut(const struct mlrt_bvh_costs *costs, float area, const struct mlrt_forest_costs children[2],
                      struct mlrt_binary_node *node, struct mlrt_forest_costs *result);
 
-/* The binary hierarchy. */
+/* When a leaf is written, the triangles of the references so many places behind its own are prefetched. */
+#define MLRT_WORDS_AHEAD 32
+
+/*
+ * The binary hierarchy. `words` has mlrt_reference_word of each reference. Between sets, and in MLRT_WORDS_AHEAD more
+ * places at the end, it is not set.
+ */
 struct mlrt_binary_tree {
     struct mlrt_binary_node *nodes;
-    uint32_t *triangles; /* the word of each reference: mlrt_reference_word */
+    uint32_t *words;
 };
 
 /* The size of a part of the hierarchy. Counts stay below 2^32: there are fewer leaves than MLRT_REFERENCE_MARK. */

@@ -216,18 +216,38 @@ void mlrt_clear_bins(enum mlrt_split_kind kind, uint32_t count, struct mlrt_bvh_
     if (kind == MLRT_SPLIT_BY_PLANE) memset(bins->last_count, 0, sizeof bins->last_count);
 }
 
+/*
+ * So many references' bins are computed before the first is put into them: a load from a bin waits until it is known
+ * where the stores before it go. Filling bins takes 0.8 to 0.9 of the time (Zen 5).
+ */
+#define BLOCK_SIZE 128
+
 /* Adds a reference to its bin along each axis. */
-MLRT_INLINE void fill_bin(const struct mlrt_quad_box *reference, f4 start, f4 scale, struct mlrt_bvh_bins *bins)
+MLRT_INLINE void fill_bin(const struct mlrt_quad_box *reference, const int32_t bin[4], struct mlrt_bvh_bins *bins)
 {
-    MLRT_ALIGNED(16) float bin[4];
     const f4 lo = f4_load(reference->lo), hi = f4_load(reference->hi);
-    f4_store(bin, f4_mul(f4_sub(centre_of(lo, hi), start), scale));
     MLRT_UNROLL
     for (int axis = 0; axis < 3; axis++) {
-        const int number = (int)bin[axis];
-        extend_box(&bins->box[number][axis], lo, hi);
-        bins->first_count[number][axis]++;
+        extend_box(&bins->box[bin[axis]][axis], lo, hi);
+        bins->first_count[bin[axis]][axis]++;
     }
+}
+
+/* Adds at most BLOCK_SIZE references to two sets of bins in turns. */
+static void fill_block(const struct mlrt_quad_box *references, uint32_t count, f4 start, f4 scale,
+                       struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *others)
+{
+    MLRT_ALIGNED(16) int32_t bin[BLOCK_SIZE][4];
+    uint32_t i;
+    for (i = 0; i < count; i++) {
+        const f4 centre = centre_of(f4_load(references[i].lo), f4_load(references[i].hi));
+        f4_store_whole(bin[i], f4_mul(f4_sub(centre, start), scale));
+    }
+    for (i = 0; i + 1 < count; i += 2) {
+        fill_bin(&references[i], bin[i], bins);
+        fill_bin(&references[i + 1], bin[i + 1], others);
+    }
+    if (i < count) fill_bin(&references[i], bin[i], bins);
 }
 
 void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
@@ -235,17 +255,15 @@ void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint
 {
     const struct mlrt_binning binning = mlrt_cut_bins(centres, bins->bin_count);
     const f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
-    const struct mlrt_quad_box *next = references + first, *end = next + count;
-    if (count >= MANY_REFERENCES) {
-        struct mlrt_bvh_bins others;
-        mlrt_clear_bins(MLRT_SPLIT_BY_BIN, count, &others);
-        for (; next + 1 < end; next += 2) {
-            fill_bin(next, start, scale, bins);
-            fill_bin(next + 1, start, scale, &others);
-        }
-        mlrt_merge_bins(&others, bins);
+    const int is_large = count >= MANY_REFERENCES;
+    struct mlrt_bvh_bins others;
+    if (is_large) mlrt_clear_bins(MLRT_SPLIT_BY_BIN, count, &others);
+    for (uint32_t i = 0; i < count; i += BLOCK_SIZE) {
+        const uint32_t left = count - i;
+        fill_block(references + first + i, left < BLOCK_SIZE ? left : BLOCK_SIZE, start, scale, bins,
+                   is_large ? &others : bins);
     }
-    for (; next < end; next++) fill_bin(next, start, scale, bins);
+    if (is_large) mlrt_merge_bins(&others, bins);
 }
 
 void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum)
@@ -258,6 +276,13 @@ void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum
         }
 }
 
+/* Extends the box by a centre, but not where that is NaN. */
+MLRT_INLINE void grow_unless_nan(struct growing_box *box, f4 centre)
+{
+    box->lo = f4_min(centre, box->lo);
+    box->hi = f4_max(centre, box->hi);
+}
+
 /*
  * Partitions the references in place, without branches, which would be mispredicted. Each is swapped with the first of
  * the upper side, and is the last of the lower side if that grows.
@@ -265,27 +290,22 @@ void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum
 static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
                        const struct mlrt_bvh_split *split, struct mlrt_progress *progress, struct mlrt_bvh_set sides[2])
 {
-    /* Added to a centre, the first moves it out of the way of a side that it is not of. */
-    static const struct {
-        MLRT_ALIGNED(16) float by[4];
-    } MOVED[2] = {{{INFINITY, INFINITY, INFINITY, INFINITY}}, {{0, 0, 0, 0}}};
-    struct mlrt_binning binning = mlrt_cut_bins(&set->centres, bins_of(set->count));
-    f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
+    const struct mlrt_binning binning = mlrt_cut_bins(&set->centres, bins_of(set->count));
+    const uint32_t axis = split->axis;
+    const f4 start = f4_set1(binning.start[axis]), scale = f4_set1(binning.scale[axis]);
+    const f4 limit = f4_set1((float)(split->bin + 1));
     struct growing_box lower = empty_box(), upper = empty_box();
-    struct mlrt_quad_box *next = references + set->first, *end = next + set->count, *place = next;
-    float limit = (float)(split->bin + 1);
-    for (; next < end && !mlrt_is_cancelled_in_round(progress, (size_t)(end - next)); next++) {
-        MLRT_ALIGNED(16) float bin[4];
+    struct mlrt_quad_box *next = references + set->first, *place = next;
+    for (uint32_t left = set->count; left > 0 && !mlrt_is_cancelled_in_round(progress, left); left--) {
         const f4 lo = f4_load(next->lo), hi = f4_load(next->hi), centre = centre_of(lo, hi);
-        f4_store(bin, f4_mul(f4_sub(centre, start), scale));
-        const int is_lower = bin[split->axis] < limit;
-        const f4 from_lower = f4_load(MOVED[is_lower].by), from_upper = f4_load(MOVED[1 - is_lower].by);
-        grow(&lower, f4_add(centre, from_lower), f4_sub(centre, from_lower));
-        grow(&upper, f4_add(centre, from_upper), f4_sub(centre, from_upper));
-        *next = *place;
+        const f4 along_axis = centre_of(f4_set1(next->lo[axis]), f4_set1(next->hi[axis]));
+        const f4 beyond = f4_sub(f4_mul(f4_sub(along_axis, start), scale), limit); /* negative on the lower side */
+        grow_unless_nan(&lower, f4_hide(centre, f4_flip(beyond, -1)));
+        grow_unless_nan(&upper, f4_hide(centre, beyond));
+        *next++ = *place;
         f4_store(place->lo, lo);
         f4_store(place->hi, hi);
-        place += is_lower;
+        place += f4_signs(beyond) & 1;
     }
     store_box(&lower, &sides[0].centres);
     store_box(&upper, &sides[1].centres);

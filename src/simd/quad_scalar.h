@@ -18,6 +18,11 @@ typedef struct {
 MLRT_INLINE f4 f4_set1(float a) { return (f4){{a, a, a, a}}; }
 MLRT_INLINE f4 f4_load(const float *p) { return (f4){{p[0], p[1], p[2], p[3]}}; } /* aligned to 16 bytes */
 MLRT_INLINE void f4_store(float *p, f4 a) { memcpy(p, a.x, sizeof a.x); }         /* aligned to 16 bytes */
+/* the whole parts of the first three lanes, and a fourth of no meaning; aligned to 16 bytes */
+MLRT_INLINE void f4_store_whole(int32_t *p, f4 a)
+{
+    for (int i = 0; i < 3; ++i) p[i] = (int32_t)a.x[i];
+}
 /* any four words, unchanged, at any address */
 MLRT_INLINE f4 f4_load_any(const void *p)
 {
@@ -70,6 +75,12 @@ MLRT_INLINE f4 f4_by_sign(f4 sign, f4 a, f4 b)
     f4 c;
     for (int i = 0; i < 4; ++i) c.x[i] = signbit(sign.x[i]) ? a.x[i] : b.x[i];
     return c;
+}
+/* a, but NaN where the sign bit of `sign` is set */
+MLRT_INLINE f4 f4_hide(f4 a, f4 sign)
+{
+    for (int i = 0; i < 4; ++i) a.x[i] = signbit(sign.x[i]) ? NAN : a.x[i];
+    return a;
 }
 /* `so_far` in the lanes where the words at p are those of a, else 0 */
 MLRT_INLINE f4 f4_and_same(f4 so_far, const void *p, f4 a)

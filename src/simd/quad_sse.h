@@ -13,6 +13,7 @@ typedef __m128 f4;
 MLRT_INLINE f4 f4_set1(float a) { return _mm_set1_ps(a); }
 MLRT_INLINE f4 f4_load(const float *p) { return _mm_load_ps(p); }
 MLRT_INLINE void f4_store(float *p, f4 a) { _mm_store_ps(p, a); }
+MLRT_INLINE void f4_store_whole(int32_t *p, f4 a) { _mm_store_si128((void *)p, _mm_cvttps_epi32(a)); }
 MLRT_INLINE f4 f4_load_any(const void *p) { return _mm_loadu_ps(p); }
 MLRT_INLINE void f4_store_any(void *p, f4 a) { _mm_storeu_ps(p, a); }
 MLRT_INLINE void f4_store_low(void *p, f4 a) { _mm_storel_pi(p, a); }
@@ -64,6 +65,10 @@ MLRT_INLINE f4 f4_min(f4 a, f4 b) { return _mm_min_ps(a, b); }
 MLRT_INLINE f4 f4_max(f4 a, f4 b) { return _mm_max_ps(a, b); }
 MLRT_INLINE f4 f4_abs(f4 a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
 MLRT_INLINE f4 f4_flip(f4 a, float b) { return _mm_xor_ps(a, _mm_and_ps(_mm_set1_ps(b), _mm_set1_ps(-0.0f))); }
+MLRT_INLINE f4 f4_hide(f4 a, f4 sign)
+{
+    return _mm_or_ps(a, _mm_castsi128_ps(_mm_srai_epi32(_mm_castps_si128(sign), 31)));
+}
 MLRT_INLINE f4 f4_next(f4 a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(1, 0, 2, 1)); }
 MLRT_INLINE f4 f4_join(f4 a, f4 b) { return _mm_shuffle_ps(a, _mm_unpackhi_ps(a, b), _MM_SHUFFLE(1, 0, 1, 0)); }
 MLRT_INLINE f4 f4_sums(f4 a, f4 b, f4 c)

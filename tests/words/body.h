@@ -135,6 +135,10 @@ static void run_quad(const struct word_input *in, int v, struct word_output *out
     f4_store(out->values[WORD_QUAD_FLIP] + v, f4_flip(a, in->lanes & 1 ? -1.0f : 1.0f));
     f4_store(out->values[WORD_QUAD_NEXT] + v, f4_next(a));
     f4_store(out->values[WORD_QUAD_JOIN] + v, f4_join(a, b));
+    f4_store(out->values[WORD_QUAD_HIDE] + v, f4_max(f4_hide(a, b), f4_set1(-1)));
+    MLRT_ALIGNED(16) int32_t whole[4];
+    f4_store_whole(whole, f4_min(f4_abs(a), f4_set1(1000.75f)));
+    for (int i = 0; i < 3; ++i) out->integers[WORD_QUAD_STORE_WHOLE][v + i] = (uint32_t)whole[i];
     f4_store_any(out->values[WORD_QUAD_ANY] + v, f4_load_any((const char *)in->a + 3 * v));
     for (unsigned i = 0, same = f4_same_words(in->bits_a + v, in->bits_b[v]); i < 4; ++i) {
         out->integers[WORD_QUAD_SAME_WORDS][(unsigned)v + i] = (same >> i & 1) | same >> 4;
