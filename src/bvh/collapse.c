@@ -89,11 +89,14 @@ static uint32_t sort_numbers(const uint32_t *words, uint32_t count, uint32_t *nu
     return first;
 }
 
-/* Prefetches the triangle of a word. Where there is no reference, it is any triangle. */
+/*
+ * Prefetches the triangle of a word. Where there is no reference, the word is unset: so the address is not computed as
+ * that of an element, and nothing is decided by it. To prefetch an address where nothing lies does no harm.
+ */
 MLRT_INLINE void prefetch_triangle(const struct mlrt_tree *tree, uint32_t word)
 {
-    const uint32_t number = word & ~MLRT_REFERENCE_COPY;
-    mlrt_prefetch(&tree->triangles[number < tree->triangle_count ? number : 0]);
+    const uintptr_t number = word & ~MLRT_REFERENCE_COPY;
+    mlrt_prefetch((const void *)((uintptr_t)tree->triangles + number * sizeof *tree->triangles));
 }
 
 /* Writes a triangle of a leaf whose rows have `row` floats; NULL = it has no corners. */

@@ -180,7 +180,7 @@ pub const MLRT_METHOD_PACKET4: i32 = 3;
 /// kd-tree: the same from entry points of beams (the paper, sections 3.3 to 4.2)
 pub const MLRT_METHOD_MULTILEVEL: i32 = 4;
 
-/// boxes: a tile of 16 packets of 16 rays goes down together, as a bundle; a pinhole camera's squares of 16 tiles do so first, without rays. Packets too wide for a bundle go lane by lane; where only few rays meet a box, each goes alone
+/// boxes: a tile of 16 packets of 16 rays goes down together, as a bundle. Squares of 16 tiles do so first, without rays, if they are of a pinhole camera, or of any-hit rays with one origin or direction. Packets too wide for a bundle go lane by lane; where only few rays meet a box, each goes alone
 pub const MLRT_METHOD_TILE: i32 = 5;
 
 /// the best that this machine has
@@ -393,7 +393,7 @@ pub struct mlrt_tree_options {
     pub traversal_cost: f32,
     /// of a triangle in a leaf, 0..1e6, in the same units; 0 = a small share of the leaf's
     pub intersection_cost: f32,
-    /// NULL, or a buffer for the reason of an error, in words (UTF-8, terminated); else ""
+    /// NULL, or a buffer: receives why the call failed (UTF-8, terminated), or ""
     pub message: *mut c_char,
     /// size of the buffer in bytes
     pub message_size: usize,
@@ -536,7 +536,7 @@ pub struct mlrt_load_options {
     pub struct_size: u32,
     /// MLRT_LOAD_\*
     pub flags: u32,
-    /// the triangles' mlrt_hash_geometry; others are MLRT_ERROR_DATA. 0 = any triangles
+    /// what mlrt_hash_geometry says of the wanted triangles: data of others are MLRT_ERROR_DATA. 0 = any triangles
     pub geometry_hash: u64,
     /// as in mlrt_tree_options
     pub memory_limit: u64,
@@ -1269,8 +1269,8 @@ extern "C" {
     ///   callback  receives the results of each tile; NULL = none.
     ///   user      the first argument of the callback.
     ///
-    /// At least one of frame and callback must be given. A pixel without a valid ray (its direction rounds to 0, for
-    /// example) is a miss.
+    /// A frame with an array, a callback, or counters in the options must be given. A pixel without a valid ray (its
+    /// direction rounds to 0, for example) is a miss.
     /// ```
     pub fn mlrt_render_tiles(tree: *const mlrt_tree, camera: *const mlrt_camera, options: *const mlrt_trace_options, frame: *const mlrt_hits, callback: Option<mlrt_tile_callback>, user: *mut c_void) -> i32;
 
@@ -1291,7 +1291,8 @@ extern "C" {
     ///   points    the points.
     ///   light     the light.
     ///   options   NULL = defaults. Its `query` is ignored.
-    ///   occluded  uint8_t: element i receives 1 if something lies between point i and the light, 0 if nothing does.
+    ///   occluded  uint8_t: element i receives 1 if something lies between point i and the light, 0 if nothing does. Its
+    ///             data must not be NULL.
     ///
     /// The ray of point P is o = L, d = fl(P - L) per component, 0 < t <= 1 for a point light at L, and o = P, d = position,
     /// 0 < t for a directional light. A point that is at the light itself, or has a coordinate that is not finite, is not
