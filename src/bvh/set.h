@@ -119,7 +119,7 @@ static inline float mlrt_bvh_leaf_cost(const struct mlrt_bvh_costs *costs, uint3
 /* A set of references: `count` of them from `first` on. */
 struct mlrt_bvh_set {
     struct mlrt_quad_box box;     /* of all boxes */
-    struct mlrt_quad_box centres; /* of all centres  */
+    struct mlrt_quad_box centres; /* of their centres */
     uint32_t first;
     uint32_t count;
 };

@@ -28,6 +28,9 @@
 
 #define MLRT_BUNDLE_PACKETS 16
 
+/* How far edge functions of rays that start at the waist are off, in units of size times R (leaf.h, EDGES). */
+#define EDGE_ERROR (MLRT_GUESS ? 0 : 14 * 0x1p-24f)
+
 /* The axis of the slope and the place `side` (0: j, 1: l) of a bundle with this main axis. */
 MLRT_INLINE int mlrt_slope_axis(int main_axis, int side)
 {
@@ -242,7 +245,7 @@ struct mlrt_pair_line {
     float constant;
     float coefficient[MLRT_RAY_TERMS];
     float normal[3];
-    float error;     /* in place of EDGE_ERROR (leaf.h) */
+    float error;     /* in place of EDGE_ERROR */
     float steepness; /* in place of that of a leaf */
 };
 

@@ -10,9 +10,6 @@
 
 #include "simd/quad.h"
 
-/* As in leaf.h. */
-#define EDGE_ERROR (14 * 0x1p-24f)
-
 /* The lanes that are surely above 0: not those that are NaN. */
 static uint32_t lanes_above(f4 a)
 {

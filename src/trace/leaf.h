@@ -58,13 +58,7 @@
 #include "trace/leaf_in_double.h"
 #include "trace/outline.h"
 
-#if MLRT_GUESS
-#define EDGE_ERROR     0.0f
-#define DISTANCE_ERROR 0.0f
-#else
-#define EDGE_ERROR     (14 * 0x1p-24f)
-#define DISTANCE_ERROR (16 * 0x1p-24f)
-#endif
+#define DISTANCE_ERROR (MLRT_GUESS ? 0 : 16 * 0x1p-24f)
 
 /*
  * The corners of a vector of triangles: axis 0 is the main axis, with the sign of the waist, the other two follow it.

@@ -42,9 +42,6 @@
 /* A line is used only if its error is at most this many times EDGE_ERROR, which is so up to S' = 378 u S. */
 #define MOST_DOUBT 64
 
-/* As in leaf.h, in double. */
-#define EDGE_ERROR (14 * 0x1p-24)
-
 /* Sets the line of two planes. Returns 0 if it is too uncertain. */
 static int set_line(const struct mlrt_turned_plane *first, const struct mlrt_turned_plane *second,
                     struct mlrt_pair_line *line)
