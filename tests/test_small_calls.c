@@ -12,7 +12,7 @@
 #include "hostile_rays.h"
 #include "support.h"
 
-enum { COUNT = 600, MOST = 17 };
+enum { COUNT = 600, MOST = 17, STACK_RAYS = 120 };
 
 struct record {
     float origin[3];
@@ -460,16 +460,86 @@ static void exception_flags_stay(void **state)
     assert_int_equal(wrong, 0);
 }
 
+/* As many sheets of one triangle as a seed draws, each corner up to 3 floats aside, beside, behind and in each other. */
+static struct fixture make_stack(struct random *random, uint64_t seed)
+{
+    struct soup soup = {0};
+    const uint32_t sheets = 2 + draw_below(random, 40);
+    const int is_flat = (int)draw_below(random, 2), aside = (int)draw_below(random, 4);
+    float corner[3][3];
+    for (int i = 0; i < 3; i++) draw_point(random, i ? -4 : 1, i ? 4 : 2, corner[i]);
+    for (int i = 1; i < 3 && is_flat; i++) corner[i][2] = corner[0][2];
+    for (uint32_t sheet = 0; sheet < sheets; sheet++) {
+        const uint32_t first = draw_below(random, 3);
+        const int stays = (int)draw_below(random, 4) == 0;
+        float moved[3][3];
+        for (uint32_t i = 0; i < 3; i++) {
+            for (int k = 0; k < 3; k++) {
+                const int floats = (int)draw_below(random, 2 * (uint32_t)aside + 1) - aside;
+                moved[i][k] = next_float(corner[(first + i) % 3][k], stays ? 0 : floats);
+            }
+        }
+        soup_add_triangle(&soup, moved[0], moved[1], moved[2]);
+    }
+    return fixture_of_soup("stack", seed, &soup);
+}
+
+/* Traces the rays of a list in one call, or each in a call of its own, and compares with exact arithmetic. */
+static void check_list(const struct fixture *fixture, const struct ray_list *list, const struct reference_hit *expected,
+                       const mlrt_trace_options *options, size_t call)
+{
+    for (size_t i = 0; i < list->count; i += call) {
+        const struct ray_list part = {list->rays + i, call, 0, 0};
+        struct reference_hit found[STACK_RAYS];
+        const mlrt_rays rays = public_rays(&part);
+        trace(fixture, &rays, options, found, NULL);
+        for (size_t k = 0; k < call; k++) {
+            if (same_hit(&expected[i + k], &found[k])) continue;
+            fail_msg("stack %llu, ray %zu, calls of %zu, isa %d", (unsigned long long)fixture->seed, i + k, call,
+                     (int)options->isa);
+        }
+    }
+}
+
+/*
+ * Stacks of sheets that lie closer to each other than float can tell: rays meet a chain of close calls there, with ties
+ * that the first triangle wins.
+ */
+static void stacks_of_sheets(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 1; seed <= 60; seed++) {
+        struct random random = {7100 + seed};
+        struct ray_list list = {0};
+        struct reference_hit expected[STACK_RAYS];
+        struct fixture fixture = make_stack(&random, seed);
+        add_aimed_rays(&list, &random, &fixture, STACK_RAYS / 2, -9, 9);
+        add_surface_rays(&list, &random, &fixture, STACK_RAYS / 2);
+        list.count = STACK_RAYS;
+        for (size_t i = 0; i < list.count; i++) {
+            if (i % 5 == 4) list.rays[i].t_min = draw_range(&random, 0, 2);
+            reference_trace(fixture.reference, &list.rays[i], &expected[i]);
+        }
+        for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
+            mlrt_trace_options options = {.struct_size = sizeof options, .isa = isa};
+            if (!isa_is_supported(isa)) continue;
+            check_list(&fixture, &list, expected, &options, 1);
+            check_list(&fixture, &list, expected, &options, STACK_RAYS);
+            options.method = MLRT_METHOD_RAY;
+            check_list(&fixture, &list, expected, &options, STACK_RAYS);
+        }
+        free_rays(&list);
+        free_fixture(&fixture);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(same_as_in_one_call),
-        cmocka_unit_test(results_on_the_rays),
-        cmocka_unit_test(bytes_between_results_stay),
-        cmocka_unit_test(trees_without_nodes),
-        cmocka_unit_test(mistakes_are_errors),
-        cmocka_unit_test(exception_flags_stay),
-        cmocka_unit_test(any_arrays),
+        cmocka_unit_test(same_as_in_one_call),        cmocka_unit_test(results_on_the_rays),
+        cmocka_unit_test(bytes_between_results_stay), cmocka_unit_test(trees_without_nodes),
+        cmocka_unit_test(mistakes_are_errors),        cmocka_unit_test(exception_flags_stay),
+        cmocka_unit_test(stacks_of_sheets),           cmocka_unit_test(any_arrays),
         cmocka_unit_test(any_arrays_with_masks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

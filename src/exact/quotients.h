@@ -51,4 +51,13 @@ void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_trian
 int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int is_inside,
                          const struct mlrt_triangle *other, float *lo, float *hi);
 
+/*
+ * Which of two triangles does a ray hit first, if it surely hits `second`, and surely passes inside the edges of
+ * `first`? MLRT_FIRST, with bounds of its t in *lo and *hi; MLRT_SECOND; MLRT_BOTH_AT_ONCE if they lie in one plane
+ * across an axis; MLRT_NOT_KNOWN if double cannot tell, nor whether `first` lies behind t_min.
+ */
+enum mlrt_order { MLRT_FIRST, MLRT_SECOND, MLRT_BOTH_AT_ONCE, MLRT_NOT_KNOWN };
+enum mlrt_order mlrt_order_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_corners *first,
+                                     const struct mlrt_corners *second, float *lo, float *hi);
+
 #endif

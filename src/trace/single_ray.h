@@ -342,10 +342,51 @@ MLRT_INLINE uint32_t find_place(const uint32_t *numbers, uint32_t number)
 }
 
 /*
+ * Compares triangles of a leaf that the ray of a lane is surely inside with its nearest hit, as mlrt_order_triangles
+ * (undecided.h). Corners and ray have to be as they were given.
+ */
+MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const uint32_t *numbers,
+                                  const struct mlrt_corners *corners, uint32_t inside, uint32_t lane,
+                                  struct mlrt_packet *packet, struct mlrt_worker *worker, uint32_t *changed)
+{
+    struct mlrt_ray_segment ray;
+    struct mlrt_nearest nearest = {packet->nearest.triangle[lane], packet->nearest.lo[lane], packet->nearest.hi[lane]};
+    get_ray(packet, worker, lane, &ray);
+    const uint32_t left =
+        mlrt_order_triangles(job->tree, &ray, numbers, corners, inside, &nearest, changed, COUNTERS(worker));
+    packet->nearest.triangle[lane] = nearest.triangle;
+    packet->nearest.lo[lane] = nearest.lo;
+    packet->nearest.hi[lane] = nearest.hi;
+    return left;
+}
+
+/*
+ * Decides the triangles at places of a leaf that float leaves undecided; the ray is surely inside the edges of those in
+ * `inside`. If some of these have a rival, the nearest hit so far, only their order is in question. Returns the place
+ * of the nearest hit if it changed, else `changed`.
+ */
+static MLRT_NOINLINE uint32_t settle_undecided(const struct mlrt_job *job, const uint32_t *numbers,
+                                               const struct mlrt_corners *corners, uint32_t undecided, uint32_t inside,
+                                               uint32_t lane, uint32_t changed, struct mlrt_packet *packet,
+                                               struct mlrt_worker *worker)
+{
+    if (undecided & inside && packet->nearest.triangle[lane] != MLRT_NONE && !worker->scaled) {
+        undecided = (undecided & ~inside) |
+                    order_places(job, numbers, corners, undecided & inside, lane, packet, worker, &changed);
+        if (MLRT_LIKELY(!undecided)) return changed;
+    }
+    const uint32_t before = packet->nearest.triangle[lane];
+    decide_scaled_triangles(job, numbers, undecided, inside, lane, packet, worker);
+    const uint32_t nearest = packet->nearest.triangle[lane];
+    return nearest == before ? changed : find_place(numbers, nearest);
+}
+
+/*
  * Decides the triangles of a leaf at those of `places` where the ray may be `inside` the edges. Returns NO_PLACE if the
  * nearest hit did not change, else its place. (A tie changes the triangle but not the distance.)
  */
-MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *numbers, vm inside, uint32_t places,
+MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *numbers,
+                                   const struct mlrt_corners *corners, vm inside, uint32_t places,
                                    const struct float_test *test, uint32_t lane, vf t_min, struct mlrt_packet *packet,
                                    struct mlrt_worker *worker)
 {
@@ -370,9 +411,8 @@ MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *n
         undecided |= keep_nearest(&verdict, nearer, numbers, lane, packet, &changed);
     }
     if (MLRT_UNLIKELY(undecided)) {
-        const uint32_t before = packet->nearest.triangle[lane];
-        decide_scaled_triangles(job, numbers, undecided, m_bits(verdict.inside), lane, packet, worker);
-        if (packet->nearest.triangle[lane] != before) changed = find_place(numbers, packet->nearest.triangle[lane]);
+        changed =
+            settle_undecided(job, numbers, corners, undecided, m_bits(verdict.inside), lane, changed, packet, worker);
     }
     return changed;
 }
@@ -411,8 +451,8 @@ MLRT_INLINE const float *test_leaf(const struct mlrt_job *job, const struct sing
         set_single_test(ray, corners + v, place_count, &test);
         const vm inside = may_be_inside(&test, m_from_bits(ALL_LANES));
         if (VW <= 4 && !(m_bits(inside) & places)) continue; /* wide vectors take one branch, after distances */
-        const uint32_t changed =
-            settle_places(job, numbers + v, inside, places, &test, ray->lane, ray->t_min, packet, worker);
+        const uint32_t changed = settle_places(job, numbers + v, &(struct mlrt_corners){corners + v, place_count, 1},
+                                               inside, places, &test, ray->lane, ray->t_min, packet, worker);
         if (changed == NO_PLACE) continue;
         nearest = corners + v + changed;
         if (job->any) return nearest;
