@@ -477,23 +477,26 @@ static MLRT_NOINLINE uint32_t offer_to_packets(const struct mlrt_job *job, struc
                                                struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                                uint32_t triangle, uint32_t among)
 {
-    struct mlrt_offered_packets of = bundle->has.places
-                                         ? offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 1)
-                                         : offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 0);
-    of.may &= among & ~of.covered;
-    if (bundle->arrays && of.in_part && !worker->bundles->parts.lone_squares)
-        mlrt_add_cover_part(bundle, leaf, triangle, cell_skips, &worker->bundles->parts, &of);
-    for (uint32_t left = of.may & bundle->state.closed; left; left &= left - 1)
+    const struct mlrt_offered_packets of = bundle->has.places
+                                               ? offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 1)
+                                               : offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 0);
+    uint32_t may = of.may & among & ~of.covered, covered = of.covered;
+    if (bundle->arrays && of.in_part && !worker->bundles->parts.lone_squares) {
+        struct mlrt_offered_packets parts = {may, covered, of.in_part, of.backward};
+        mlrt_add_cover_part(bundle, leaf, triangle, cell_skips, &worker->bundles->parts, &parts);
+        may = parts.may, covered = parts.covered;
+    }
+    for (uint32_t left = may & bundle->state.closed; left; left &= left - 1)
         open_bundle_packet(job, bundle, mlrt_lowest_bit(left));
-    if (job->any) bundle->state.covered |= of.covered;
-    for (uint32_t left = job->any ? of.covered : 0; left; left &= left - 1) {
+    if (job->any) bundle->state.covered |= covered;
+    for (uint32_t left = job->any ? covered : 0; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         leave_bundle(bundle, place);
         if (!has_rays(bundle, place)) continue;
         finish_untouched_packet(bundle, place);
         bundle->tile->packets[place].active = 0;
     }
-    return of.may & bundle->state.going;
+    return may & bundle->state.going;
 }
 
 #endif
