@@ -210,15 +210,16 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
     uint32_t seen;
     const struct mlrt_bundle_leaf *leaf = find_bundle_leaf(job, bundle, has_places, child, worker, &seen);
     if (!seen) return;
-    uint32_t lists[MLRT_BUNDLE_PACKETS] = {0};
+    uint32_t lists[MLRT_BUNDLE_PACKETS] = {0}, listed = 0;
     for (; seen; seen &= seen - 1) {
         const uint32_t among = met & bundle->state.going;
         if (!among) break;
         if (!(among & bundle->state.closed) && mlrt_count_bits(seen) > mlrt_count_bits(among)) break;
         uint32_t may = offer_to_packets(job, worker, bundle, leaf, mlrt_lowest_bit(seen), among);
+        listed |= may;
         for (; may; may &= may - 1) lists[mlrt_lowest_bit(may)] |= seen & (0u - seen);
     }
-    for (met &= bundle->state.going; met; met &= met - 1) {
+    for (met &= bundle->state.going & (seen ? met : listed); met; met &= met - 1) {
         const uint32_t place = mlrt_lowest_bit(met);
         const uint32_t triangles = lists[place] | (seen ? cut_triangles(bundle, leaf, place, seen) : 0);
         if (triangles) visit_by_packet(job, worker, bundle, leaf, triangles, place);
