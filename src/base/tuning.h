@@ -81,10 +81,15 @@
 
 /*
  * A packet that has been tested in vain against more triangles than this goes on lane by lane. With no limit,
- * reflections of small triangles have a quarter of the speed.
+ * reflections of small triangles have a quarter of the speed. If all rays of a bundle begin at one point, a test takes
+ * less than half of the work: with 96 for these, too, shadows of dragon have 0.94 of the speed, of doubled and sponza
+ * 0.97, and with no limit, those of cruiser 0.52 (Zen 5).
  */
 #ifndef MLRT_MOST_TESTS
 #define MLRT_MOST_TESTS 96
+#endif
+#ifndef MLRT_MOST_WAIST_TESTS
+#define MLRT_MOST_WAIST_TESTS 384
 #endif
 
 /*

@@ -194,8 +194,9 @@ static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlr
     need_lanes(bundle, place);
     const uint32_t changed = bundle->has.places ? test_bundle_packet(job, worker, bundle, leaf, triangles, place, 1)
                                                 : test_bundle_packet(job, worker, bundle, leaf, triangles, place, 0);
+    const uint32_t most = bundle->has.places ? MLRT_MOST_TESTS : MLRT_MOST_WAIST_TESTS;
     if (changed) update_bundle(bundle, place, changed, job->any);
-    if (MLRT_UNLIKELY(bundle->state.tests[place] > MLRT_MOST_TESTS) && bundle->state.going >> place & 1) {
+    if (MLRT_UNLIKELY(bundle->state.tests[place] > most) && bundle->state.going >> place & 1) {
         give_up_packet(bundle, place);
     }
 }
