@@ -62,6 +62,7 @@ MLRT_INLINE vi i_load(const uint32_t *p) { return _mm256_load_si256((const __m25
 MLRT_INLINE vi i_load_any(const uint32_t *p) { return _mm256_loadu_si256((const void *)p); }
 MLRT_INLINE void i_store(uint32_t *p, vi a) { _mm256_store_si256((__m256i *)(void *)p, a); }
 MLRT_INLINE vi i_sub(vi a, vi b) { return _mm256_sub_epi32(a, b); }
+MLRT_INLINE vi i_and(vi a, vi b) { return _mm256_and_si256(a, b); }
 MLRT_INLINE vm i_lt(vi a, vi b)
 {
     const __m256i flip = _mm256_set1_epi32((int)0x80000000u);

@@ -64,6 +64,7 @@ MLRT_INLINE vi i_load(const uint32_t *p) { return _mm512_load_si512((const void 
 MLRT_INLINE vi i_load_any(const uint32_t *p) { return _mm512_loadu_si512((const void *)p); }
 MLRT_INLINE void i_store(uint32_t *p, vi a) { _mm512_store_si512((void *)p, a); }
 MLRT_INLINE vi i_sub(vi a, vi b) { return _mm512_sub_epi32(a, b); }
+MLRT_INLINE vi i_and(vi a, vi b) { return _mm512_and_si512(a, b); }
 MLRT_INLINE vm i_lt(vi a, vi b) { return _mm512_cmplt_epu32_mask(a, b); }
 MLRT_INLINE vm i_eq(vi a, vi b) { return _mm512_cmpeq_epi32_mask(a, b); }
 MLRT_INLINE vi i_select(vm m, vi a, vi b) { return _mm512_mask_blend_epi32(m, b, a); }

@@ -87,6 +87,7 @@ MLRT_INLINE vi i_load(const uint32_t *p) { return *p; }
 MLRT_INLINE vi i_load_any(const uint32_t *p) { return *p; } /* aligned to 4 bytes */
 MLRT_INLINE void i_store(uint32_t *p, vi a) { *p = a; }
 MLRT_INLINE vi i_sub(vi a, vi b) { return a - b; }
+MLRT_INLINE vi i_and(vi a, vi b) { return a & b; }
 /* as unsigned numbers */
 MLRT_INLINE vm i_lt(vi a, vi b) { return a < b ? 0xFFFFFFFFu : 0; }
 MLRT_INLINE vm i_eq(vi a, vi b) { return a == b ? 0xFFFFFFFFu : 0; }

@@ -60,6 +60,7 @@ MLRT_INLINE vi i_load(const uint32_t *p) { return _mm_load_si128((const __m128i 
 MLRT_INLINE vi i_load_any(const uint32_t *p) { return _mm_loadu_si128((const void *)p); }
 MLRT_INLINE void i_store(uint32_t *p, vi a) { _mm_store_si128((__m128i *)(void *)p, a); }
 MLRT_INLINE vi i_sub(vi a, vi b) { return _mm_sub_epi32(a, b); }
+MLRT_INLINE vi i_and(vi a, vi b) { return _mm_and_si128(a, b); }
 MLRT_INLINE vm i_lt(vi a, vi b)
 {
     const __m128i flip = _mm_set1_epi32((int)0x80000000u);

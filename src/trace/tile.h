@@ -201,6 +201,17 @@ static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlr
     }
 }
 
+/* Returns the triangles of a leaf that a packet is listed with, given the packets that each is listed with. */
+MLRT_INLINE uint32_t triangles_of_packet(const uint32_t packets_of[MLRT_BVH_LEAF_LIMIT], uint32_t place)
+{
+    const vi bit = i_set1(1u << place);
+    uint32_t triangles = 0;
+    for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
+        triangles |= m_bits(i_eq(i_and(i_load(packets_of + v), bit), bit)) << v;
+    }
+    return triangles;
+}
+
 /*
  * Tests the packets `met` against a leaf. While a packet is closed, or there are no more triangles than packets, each
  * triangle is tested against all packets at once (cover.h). Then each packet is tested against the other triangles.
@@ -211,18 +222,19 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
     uint32_t seen;
     const struct mlrt_bundle_leaf *leaf = find_bundle_leaf(job, bundle, has_places, child, worker, &seen);
     if (!seen) return;
-    uint32_t lists[MLRT_BUNDLE_PACKETS] = {0}, listed = 0;
+    MLRT_ALIGNED(64) uint32_t packets_of[MLRT_BVH_LEAF_LIMIT] = {0};
+    uint32_t listed = 0;
     for (; seen; seen &= seen - 1) {
         const uint32_t among = met & bundle->state.going;
         if (!among) break;
         if (!(among & bundle->state.closed) && mlrt_count_bits(seen) > mlrt_count_bits(among)) break;
-        uint32_t may = offer_to_packets(job, worker, bundle, leaf, mlrt_lowest_bit(seen), among);
+        const uint32_t may = offer_to_packets(job, worker, bundle, leaf, mlrt_lowest_bit(seen), among);
+        packets_of[mlrt_lowest_bit(seen)] = may;
         listed |= may;
-        for (; may; may &= may - 1) lists[mlrt_lowest_bit(may)] |= seen & (0u - seen);
     }
     for (met &= bundle->state.going & (seen ? met : listed); met; met &= met - 1) {
         const uint32_t place = mlrt_lowest_bit(met);
-        const uint32_t triangles = lists[place] | (seen ? cut_triangles(bundle, leaf, place, seen) : 0);
+        const uint32_t triangles = triangles_of_packet(packets_of, place) | (seen ? cut_triangles(bundle, leaf, place, seen) : 0);
         if (triangles) visit_by_packet(job, worker, bundle, leaf, triangles, place);
     }
     settle_bundle(bundle);
