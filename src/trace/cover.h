@@ -433,19 +433,18 @@ MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_jo
                          v);
             }
         }
-        for (uint32_t left = met & bundle->state.closed >> v; left; left &= left - 1) {
+        const uint32_t with_rays = (bundle->tile ? bundle->tile->made : 0) >> v & bundle->state.closed >> v;
+        const uint32_t without = bundle->state.closed >> v & ~with_rays;
+        met &= ~(m_bits(i_eq(i_load(hulls->closed.skip + v), i_set1(number))) & without);
+        for (uint32_t left = bundle->arrays ? met & m_bits(covers) & without : 0; left; left &= left - 1) {
+            if (cell_skips(bundle->arrays, (uint32_t)v + mlrt_lowest_bit(left), number)) skipping |= left & (0u - left);
+        }
+        for (uint32_t left = met & with_rays; left; left &= left - 1) {
             const uint32_t place = (uint32_t)v + mlrt_lowest_bit(left), bit = left & (0u - left);
-            if (!has_rays(bundle, place)) {
-                if (hulls->closed.skip[place] == number) {
-                    met &= ~bit;
-                } else if (bundle->arrays && m_bits(covers) & bit && cell_skips(bundle->arrays, place, number)) {
-                    skipping |= bit;
-                }
-                continue;
-            }
             const uint32_t lanes = skipping_lanes(bundle, place, number);
+            if (!lanes) continue;
+            skipping |= bit;
             if (lanes == bundle->tile->packets[place].active) met &= ~bit;
-            if (lanes) skipping |= bit;
         }
         offered.may |= (met & ~(m_bits(known) & bundle->state.closed >> v)) << v;
         const uint32_t closed = met & bundle->state.closed >> v & ~(m_bits(known) | skipping);
