@@ -57,18 +57,26 @@ MLRT_INLINE vf origin_component(const struct mlrt_packet *packet, int k, int v)
 /* After hits: lowers `last` of packets to the greatest depth at which a nearer hit may be. */
 static MLRT_NOINLINE void update_last_depths(struct mlrt_bundle *bundle, uint32_t places)
 {
-    for (; places; places &= places - 1) {
-        const uint32_t place = mlrt_lowest_bit(places), active = bundle->tile->packets[place].active;
-        const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
-        vf greatest = v_set1(-INFINITY);
-        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            vf depth = v_load(rays->hi + v);
-            if (bundle->has.places) depth = v_sub(depth, v_load(rays->to_waist[0] + v));
-            greatest = v_max(v_select(m_from_bits(active >> v), depth, v_set1(-INFINITY)), greatest);
+    float *last = bundle->hulls.last;
+    for (int first = 0; first < MLRT_BUNDLE_PACKETS; first += VW) {
+        uint32_t left = places >> first & ALL_LANES;
+        if (!left) continue;
+        vf lasts = v_load(last + first); /* stored as a vector, as vectors are loaded from it next */
+        for (; left; left &= left - 1) {
+            const uint32_t place = (uint32_t)first + mlrt_lowest_bit(left);
+            const uint32_t active = bundle->tile->packets[place].active;
+            const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+            vf greatest = v_set1(-INFINITY);
+            for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+                vf depth = v_load(rays->hi + v);
+                if (bundle->has.places) depth = v_sub(depth, v_load(rays->to_waist[0] + v));
+                greatest = v_max(v_select(m_from_bits(active >> v), depth, v_set1(-INFINITY)), greatest);
+            }
+            const float depth = v_hmax(greatest);
+            const float to = depth + (SLOPE_SLACK * (fabsf(depth) + bundle->hulls.filter.away[place]) + HULL_FLOOR);
+            lasts = v_select(m_from_bits(left & (0u - left)), v_min(v_set1(to), lasts), lasts);
         }
-        const float depth = v_hmax(greatest);
-        const float to = depth + (SLOPE_SLACK * (fabsf(depth) + bundle->hulls.filter.away[place]) + HULL_FLOOR);
-        if (to < bundle->hulls.last[place]) bundle->hulls.last[place] = to;
+        v_store(last + first, lasts);
     }
 }
 
