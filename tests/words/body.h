@@ -35,8 +35,7 @@ static void run_vector(const struct word_input *in, int v, struct word_output *o
     v_store(out->values[WORD_SELECT] + v, v_select(some, a, b));
     i_store(out->integers[WORD_INTEGER_SET1] + v, i_set1(in->lanes));
     i_store(out->integers[WORD_INTEGER_SELECT] + v, i_select(less, whole_a, whole_b));
-    i_store(out->integers[WORD_INTEGER_SUB] + v, i_sub(whole_a, whole_b));
-    i_store(out->integers[WORD_INTEGER_AND] + v, i_and(whole_a, whole_b));
+    i_store(out->integers[WORD_INTEGER_SUB] + v, i_sub(whole_a, i_and(whole_a, whole_b)));
     put_mask(out, WORD_INTEGER_LT, v, i_lt(whole_a, whole_b));
     put_mask(out, WORD_LT, v, less);
     put_mask(out, WORD_LE, v, v_le(a, b));

@@ -55,7 +55,6 @@ enum {
     WORD_INTEGER_SELECT,
     WORD_INTEGER_LOAD_ANY,
     WORD_INTEGER_SUB,
-    WORD_INTEGER_AND,
     /* masks: 0 or 1 in each lane */
     WORD_LT,
     WORD_LE,
