@@ -355,8 +355,8 @@ typedef struct mlrt_tree_options {
  * MLRT_ERROR_ARGUMENT: an option is out of its range; options->message names the option. MLRT_ERROR_TOO_LARGE: more
  * than 2^30 - 1 triangles in all.
  *
- * Memory per triangle, its own 36 bytes included: 51 to 60 bytes, and at most 134 while the tree is built (FAST: 51 to
- * 55 and 123, BEST: 54 to 69 and 151). Meshes of a few triangles take more, and masks take 4 bytes per triangle.
+ * Memory per triangle, its own 36 bytes included: 51 to 60 bytes, and at most 136 while the tree is built (FAST: 50 to
+ * 56 and 127, BEST: 52 to 69 and 154). Meshes of a few triangles take more, and masks take 4 bytes per triangle.
  * mlrt_tree_info tells how much a tree took.
  *
  * Method: surface area heuristic over bins, with spatial splits (M. Stich, H. Friedrich, A. Dietrich, "Spatial Splits
