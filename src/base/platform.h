@@ -120,6 +120,13 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 #define MLRT_SCALAR 0
 #endif
 
+/* Says that a thread spins. */
+#if MLRT_HAVE_SSE && defined(__GNUC__)
+#define MLRT_PAUSE() __builtin_ia32_pause()
+#else
+#define MLRT_PAUSE() ((void)0)
+#endif
+
 /* Which kernels there are: those of SSE2, AVX2 and AVX-512, or else plain C. */
 #define MLRT_SSE_KERNELS (MLRT_HAVE_SSE && !MLRT_SCALAR)
 
