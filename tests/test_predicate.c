@@ -728,28 +728,18 @@ static void check_offer_before(const struct test_case *test, const struct mlrt_t
     check(lo == first_lo && hi == first_hi, "offer_in_double, bounds", test);
 }
 
-/* Compares the first triangle in double with the second, if the ray hits that and passes inside the first. */
-static void check_order_in_double(const struct test_case *test, const struct mlrt_triangle *second, int order)
+/* Compares the first triangle in double with the second, if the ray hits both. */
+static void check_comes_first(const struct test_case *test, const struct mlrt_triangle *second, int order)
 {
-    struct mlrt_ray_segment line = test->ray, above = line, below = line;
-    float places[9][4], lo = -1, hi = -1;
-    line.t_min = below.t_min = 0;
-    line.t_max = above.t_max = INFINITY;
-    if (!mlrt_hits_triangle(&line, &test->triangle, NULL) || !mlrt_hits_triangle(&test->ray, second, NULL)) return;
+    const struct mlrt_ray_segment *ray = &test->ray;
+    float places[9][4];
+    if (!mlrt_hits_triangle(ray, &test->triangle, NULL) || !mlrt_hits_triangle(ray, second, NULL)) return;
     for (int i = 0; i < 9; ++i) places[i][2] = test->triangle.v[i / 3][i % 3];
     const struct mlrt_corners corners = {&places[0][2], 4, 1}, others = {second->v[0], 1, 0};
-    const enum mlrt_order said = mlrt_order_in_double(&test->ray, &corners, &others, &lo, &hi);
-    check(said != MLRT_SECOND || order > 0, "order_in_double, second", test);
-    check(said != MLRT_BOTH_AT_ONCE || order == 0, "order_in_double, both at once", test);
-    if (said != MLRT_FIRST) {
-        check(lo == -1 && hi == -1, "order_in_double, no bounds", test);
-        return;
+    for (int wins_tie = 0; wins_tie < 2; ++wins_tie) {
+        const int said = mlrt_comes_first(ray->origin, ray->direction, &corners, &others, wins_tie);
+        check(said < 0 || said == (order ? order < 0 : wins_tie), "comes_first", test);
     }
-    above.t_min = lo;
-    below.t_max = hi;
-    check(order < 0 && mlrt_hits_triangle(&test->ray, &test->triangle, NULL), "order_in_double, first", test);
-    check(lo >= 0 && lo <= FLT_MAX && mlrt_hits_triangle(&above, &test->triangle, NULL), "order_in_double, lo", test);
-    check(mlrt_hits_triangle(&below, &test->triangle, NULL), "order_in_double, hi", test);
 }
 
 /* Compares in both directions, fast and exactly. 1 if the distances are equal. */
@@ -773,7 +763,7 @@ static int check_pair(const struct test_case *test, const struct mlrt_triangle *
     check(compare_close_distance(ray, first, second, NULL) == order, "compare_close_distance", test);
     check(compare_distance_exactly(ray, first, second) == order, "compare_distance_exactly", test);
     check_offer_before(test, second, order);
-    check_order_in_double(test, second, order);
+    check_comes_first(test, second, order);
     return order == 0;
 }
 

@@ -95,6 +95,13 @@ int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_t
     return 1;
 }
 
+MLRT_INLINE uint32_t coordinate_bits(const struct mlrt_corners *corners, size_t place)
+{
+    uint32_t bits;
+    memcpy(&bits, corners->corner + place, sizeof bits);
+    return bits;
+}
+
 /* As mlrt_cross_plane (determinants.h), wherever the corners lie. */
 MLRT_INLINE struct mlrt_crossing cross_plane_of(const struct mlrt_operands *of_ray, struct mlrt_vector origin,
                                                 const struct mlrt_corners *corners)
@@ -112,40 +119,38 @@ MLRT_INLINE struct mlrt_crossing cross_plane_of(const struct mlrt_operands *of_r
     return mlrt_measure_crossing(&operands);
 }
 
-/* Do two triangles lie in one plane across an axis? */
+/* Do two triangles lie in one plane across an axis, by the bits of their coordinates? (For 0 and -0: no.) */
 MLRT_INLINE int share_flat_plane(const struct mlrt_corners *first, const struct mlrt_corners *second)
 {
-    const float *c = first->corner, *e = second->corner;
-    for (int axis = 0; axis < 3; ++axis, c += first->row, e += second->row) {
-        const size_t row = 3 * (size_t)first->row, other = 3 * (size_t)second->row;
-        if (c[0] == e[0] && c[0] == c[row] && c[0] == c[2 * row] && e[0] == e[other] && e[0] == e[2 * other]) return 1;
+    int share = 0;
+    MLRT_UNROLL
+    for (size_t axis = 0; axis < 3; ++axis) {
+        const size_t row = first->row, other = second->row;
+        const uint32_t x = coordinate_bits(first, axis * row);
+        share |= ((x ^ coordinate_bits(first, (3 + axis) * row)) | (x ^ coordinate_bits(first, (6 + axis) * row)) |
+                  (x ^ coordinate_bits(second, axis * other)) | (x ^ coordinate_bits(second, (3 + axis) * other)) |
+                  (x ^ coordinate_bits(second, (6 + axis) * other))) == 0;
     }
-    return 0;
+    return share;
 }
 
-enum mlrt_order mlrt_order_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_corners *first,
-                                     const struct mlrt_corners *second, float *lo, float *hi)
+int mlrt_comes_first(const float origin[3], const float direction[3], const struct mlrt_corners *first,
+                     const struct mlrt_corners *second, int wins_tie)
 {
     struct mlrt_operands of_ray;
-    if (share_flat_plane(first, second)) return MLRT_BOTH_AT_ONCE;
-    const struct mlrt_vector origin = mlrt_vector_at(ray->origin, 1);
-    of_ray.direction = mlrt_vector_at(ray->direction, 1);
+    const struct mlrt_vector from = mlrt_vector_at(origin, 1);
+    of_ray.direction = mlrt_vector_at(direction, 1);
     of_ray.direction_size = mlrt_size_of(of_ray.direction);
-    const struct mlrt_crossing crossing_1 = cross_plane_of(&of_ray, origin, first),
-                               crossing_2 = cross_plane_of(&of_ray, origin, second);
+    const struct mlrt_crossing crossing_1 = cross_plane_of(&of_ray, from, first),
+                               crossing_2 = cross_plane_of(&of_ray, from, second);
     const struct mlrt_measured order = mlrt_measure_order(&crossing_1, &crossing_2);
     const double bound = MLRT_ORDER_ERROR * order.size;
-    if (!is_safe_denominator(crossing_1.d) || !is_safe_denominator(crossing_2.d)) return MLRT_NOT_KNOWN;
-    const double difference = (crossing_1.d.value < 0) == (crossing_2.d.value < 0) ? order.value : -order.value;
-    if (difference > bound) return MLRT_SECOND;
-    if (!(difference < -bound)) return MLRT_NOT_KNOWN;
-    const struct enclosure t = enclose_quotient(crossing_1.n, invert(crossing_1.d));
-    if (!(t.low > ray->t_min)) return MLRT_NOT_KNOWN;
-    /* Moved outward, as in close_calls.h: to round them down and up takes branches that no processor predicts. */
-    const float low = (float)(t.low * (1 - 0x1p-23) - 0x1p-149);
-    *lo = low > 0 ? (low < FLT_MAX ? low : FLT_MAX) : 0;
-    *hi = (float)(t.high * (1 + 0x1p-23) + 0x1p-149);
-    return MLRT_FIRST;
+    const double later = order.value * copysign(1, crossing_1.d.value * crossing_2.d.value);
+    const int is_tie = share_flat_plane(first, second);
+    const int known =
+        is_tie | ((fabs(later) > bound) & is_safe_denominator(crossing_1.d) & is_safe_denominator(crossing_2.d));
+    if (!known) return -1;
+    return (is_tie & wins_tie) | ((is_tie ^ 1) & (later < 0));
 }
 
 /* The float nearest to x / d. The quotient is not negative. */

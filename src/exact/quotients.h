@@ -52,12 +52,11 @@ int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_t
                          const struct mlrt_triangle *other, float *lo, float *hi);
 
 /*
- * Which of two triangles does a ray hit first, if it surely hits `second`, and surely passes inside the edges of
- * `first`? MLRT_FIRST, with bounds of its t in *lo and *hi; MLRT_SECOND; MLRT_BOTH_AT_ONCE if they lie in one plane
- * across an axis; MLRT_NOT_KNOWN if double cannot tell, nor whether `first` lies behind t_min.
+ * Does a ray hit `first` before `second`, if it surely hits both? 1 or 0; -1 if double cannot tell. Of triangles in one
+ * plane across an axis, it returns `wins_tie`, which is 0 or 1. Only uncertain answers take a branch, so callers that
+ * use the result without one do not wait for it.
  */
-enum mlrt_order { MLRT_FIRST, MLRT_SECOND, MLRT_BOTH_AT_ONCE, MLRT_NOT_KNOWN };
-enum mlrt_order mlrt_order_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_corners *first,
-                                     const struct mlrt_corners *second, float *lo, float *hi);
+int mlrt_comes_first(const float origin[3], const float direction[3], const struct mlrt_corners *first,
+                     const struct mlrt_corners *second, int wins_tie);
 
 #endif

@@ -103,33 +103,6 @@ uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32
     return judge_lanes(tree, number, undecided, packet, worker, counters);
 }
 
-uint32_t mlrt_order_triangles(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, const uint32_t *numbers,
-                              const struct mlrt_corners *corners, uint32_t inside, struct mlrt_nearest *nearest,
-                              uint32_t *changed, mlrt_counters *counters)
-{
-    uint32_t left = 0;
-    for (; inside; inside &= inside - 1) {
-        const uint32_t i = mlrt_lowest_bit(inside);
-        const struct mlrt_corners first = {corners->corner + i, corners->row, corners->in_units},
-                                  second = mlrt_corners_of(&tree->by_number, nearest->triangle);
-        const enum mlrt_order order = mlrt_order_in_double(ray, &first, &second, &nearest->lo, &nearest->hi);
-        if (order == MLRT_NOT_KNOWN) {
-            left |= 1u << i;
-            continue;
-        }
-        if (counters) {
-            const uint32_t is_tie = order == MLRT_BOTH_AT_ONCE;
-            counters->tie_lane_count += is_tie;
-            counters->undecided_test_count += 1 - is_tie;
-            counters->judged_lane_count += 1 - is_tie;
-        }
-        if (order != MLRT_FIRST && !(order == MLRT_BOTH_AT_ONCE && numbers[i] < nearest->triangle)) continue;
-        nearest->triangle = numbers[i];
-        *changed = i;
-    }
-    return left;
-}
-
 int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided, uint32_t inside,
                           uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker,
                           mlrt_counters *counters)

@@ -53,15 +53,6 @@ uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32
                            struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters);
 
 /*
- * Compares triangles that a ray surely passes inside with its nearest hit, as far as double can tell: triangle
- * numbers[i] for each bit i of `inside`, whose corners begin at place i of `corners`. Returns those that are left;
- * *changed receives the place of the nearest hit if it changes. (A tie changes the triangle but not the distance.)
- */
-uint32_t mlrt_order_triangles(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, const uint32_t *numbers,
-                              const struct mlrt_corners *corners, uint32_t inside, struct mlrt_nearest *nearest,
-                              uint32_t *changed, mlrt_counters *counters);
-
-/*
  * Decides whether one ray hits the triangles numbers[i], for each bit i of `undecided`; those in `inside` are known to
  * be. Returns 1 if one of them became a nearer hit. With a query for any hit, the first hit ends it.
  */

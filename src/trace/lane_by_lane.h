@@ -702,9 +702,10 @@ MLRT_INLINE uint32_t test_triangles_lane_by_lane(const struct mlrt_job *job, uin
         if (!(m_bits(inside) & places) && !MLRT_COUNTING) continue;
         set_plane_by_sides(term, to, &test);
         const vf t_min = v_set1(packet->t_min[lane]);
-        const uint32_t changed = settle_places(job, numbers, &(struct mlrt_corners){corners, row, 1}, inside, places,
-                                               &test, lane, t_min, packet, worker);
-        if (changed != NO_PLACE) all_changed |= 1u << lane;
+        struct place nearest = {NULL, 0};
+        if (settle_places(job, numbers, corners, row, inside, places, &test, lane, t_min, &nearest, packet, worker)) {
+            all_changed |= 1u << lane;
+        }
     }
     return all_changed;
 }

@@ -80,8 +80,6 @@
  */
 #define WAITING_LIMIT ((MLRT_BVH_WIDTH - 1) * MLRT_BVH_DEPTH_LIMIT + 1)
 
-#define NO_PLACE 0xFFFFFFFFu
-
 struct single_ray {
     vf origin[3];
     vf direction[3];
@@ -297,17 +295,13 @@ MLRT_INLINE void set_single_test(const struct single_ray *ray, const float *corn
 }
 
 /*
- * Makes the nearest of the triangles in `nearer`, which are surely hit, the nearest hit of the lane, and sets *place to
- * its place. Returns those whose distances overlap with it, which have to be compared exactly.
+ * Makes the nearest of the triangles in `nearer`, which are surely hit between lo[i] and hi[i], the nearest hit of the
+ * lane, and sets *place to its place. Returns those whose distances overlap with it, which have to be compared exactly.
  */
-MLRT_INLINE uint32_t keep_nearest(const struct verdict *verdict, uint32_t nearer, const uint32_t *numbers,
+MLRT_INLINE uint32_t keep_nearest(const float *lo, const float *hi, uint32_t nearer, const uint32_t *numbers,
                                   uint32_t lane, struct mlrt_packet *packet, uint32_t *place)
 {
-    MLRT_ALIGNED(64) float lo[VW];
-    MLRT_ALIGNED(64) float hi[VW];
     uint32_t close = 0, nearest = mlrt_lowest_bit(nearer);
-    v_store(lo, verdict->lo);
-    v_store(hi, verdict->hi);
     for (uint32_t left = nearer & (nearer - 1); left; left &= left - 1) {
         const uint32_t i = mlrt_lowest_bit(left);
         if (hi[i] < hi[nearest]) nearest = i;
@@ -333,6 +327,12 @@ MLRT_INLINE vm places_without_test(const struct mlrt_packet *packet, uint32_t la
     return packet->has.skip ? m_or(ignored, i_eq(number, i_set1(packet->skip[lane]))) : ignored;
 }
 
+/* Where the corners of a triangle lie: coordinate i is corner[i * row]. */
+struct place {
+    const float *corner;
+    size_t row;
+};
+
 /* The place of triangle `number`, which is among `numbers`. */
 MLRT_INLINE uint32_t find_place(const uint32_t *numbers, uint32_t number)
 {
@@ -342,59 +342,91 @@ MLRT_INLINE uint32_t find_place(const uint32_t *numbers, uint32_t number)
 }
 
 /*
- * Compares triangles of a leaf that the ray of a lane is surely inside with its nearest hit, as mlrt_order_triangles
- * (undecided.h). Corners and ray have to be as they were given.
+ * Compares triangles of a leaf that the ray of a lane surely hits with its nearest hit. Returns those that double does
+ * not order. The nearer of the two becomes the nearest hit, without a branch. Its bounds do not depend on which it is
+ * (settle_undecided), so traversal goes on before the order is known.
  */
-MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const uint32_t *numbers,
-                                  const struct mlrt_corners *corners, uint32_t inside, uint32_t lane,
-                                  struct mlrt_packet *packet, struct mlrt_worker *worker, uint32_t *changed)
+MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const uint32_t *numbers, const float *corners,
+                                  uint32_t row, uint32_t hit, uint32_t lane, struct place *nearest,
+                                  struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    struct mlrt_ray_segment ray;
-    struct mlrt_nearest nearest = {packet->nearest.triangle[lane], packet->nearest.lo[lane], packet->nearest.hi[lane]};
-    get_ray(packet, worker, lane, &ray);
-    const uint32_t left =
-        mlrt_order_triangles(job->tree, &ray, numbers, corners, inside, &nearest, changed, COUNTERS(worker));
-    packet->nearest.triangle[lane] = nearest.triangle;
-    packet->nearest.lo[lane] = nearest.lo;
-    packet->nearest.hi[lane] = nearest.hi;
+    float origin[3], direction[3];
+    uint32_t left = 0;
+    for (int k = 0; k < 3; ++k) {
+        origin[k] = worker->lone       ? worker->lone->origin[k]
+                    : packet->has.apex ? packet->apex[k]
+                                       : packet->origin[k][lane];
+        direction[k] = worker->lone ? worker->lone->direction[k] : packet->direction[k][lane];
+    }
+    for (; hit; hit &= hit - 1) {
+        const uint32_t i = mlrt_lowest_bit(hit), other = packet->nearest.triangle[lane];
+        if (!nearest->corner) {
+            const struct mlrt_corners found = mlrt_corners_of(&job->tree->by_number, other);
+            *nearest = (struct place){found.corner, found.row};
+        }
+        const struct mlrt_corners first = {corners + i, row, 1}, second = {nearest->corner, (uint32_t)nearest->row, 1};
+        const int comes_first = mlrt_comes_first(origin, direction, &first, &second, numbers[i] < other);
+        if (MLRT_UNLIKELY(comes_first < 0)) {
+            left |= 1u << i;
+            continue;
+        }
+        COUNT(&worker->counters, undecided_test_count, 1);
+        COUNT(&worker->counters, judged_lane_count, 1);
+        const uint32_t take = 0u - (uint32_t)comes_first;
+        packet->nearest.triangle[lane] = (numbers[i] & take) | (other & ~take);
+        nearest->corner = comes_first ? first.corner : nearest->corner;
+        nearest->row = comes_first ? first.row : nearest->row;
+    }
     return left;
 }
 
 /*
- * Decides the triangles at places of a leaf that float leaves undecided; the ray is surely inside the edges of those in
- * `inside`. If some of these have a rival, the nearest hit so far, only their order is in question. Returns the place
- * of the nearest hit if it changed, else `changed`.
+ * Decides the triangles at places of a leaf that float leaves undecided. The ray is surely inside the edges of those in
+ * `inside`, which it hits at lo[i] or behind, unless they lie before t_min. `nearest`: where the corners of the nearest
+ * hit so far lie, if that is known. Returns where they lie afterwards.
+ *
+ * If a triangle is surely hit, so that only its order with the nearest hit is in question, let t be the lesser of both
+ * distances. It is at most that of the nearest hit so far, whose `hi` therefore stays, and not less than the lesser of
+ * both lower bounds, which becomes `lo`.
  */
-static MLRT_NOINLINE uint32_t settle_undecided(const struct mlrt_job *job, const uint32_t *numbers,
-                                               const struct mlrt_corners *corners, uint32_t undecided, uint32_t inside,
-                                               uint32_t lane, uint32_t changed, struct mlrt_packet *packet,
-                                               struct mlrt_worker *worker)
+static MLRT_NOINLINE struct place settle_undecided(const struct mlrt_job *job, const uint32_t *numbers,
+                                                   const float *corners, uint32_t row, uint32_t undecided,
+                                                   uint32_t inside, const float *lo, uint32_t lane,
+                                                   struct place nearest, struct mlrt_packet *packet,
+                                                   struct mlrt_worker *worker)
 {
     if (undecided & inside && packet->nearest.triangle[lane] != MLRT_NONE && !worker->scaled) {
-        undecided = (undecided & ~inside) |
-                    order_places(job, numbers, corners, undecided & inside, lane, packet, worker, &changed);
-        if (MLRT_LIKELY(!undecided)) return changed;
+        uint32_t hit = 0;
+        float least = packet->nearest.lo[lane];
+        for (uint32_t left = undecided & inside; left; left &= left - 1) {
+            const float x = lo[mlrt_lowest_bit(left)];
+            if (!(x > packet->t_min[lane])) continue;
+            hit |= left & (0u - left);
+            least = x < least ? x : least;
+        }
+        packet->nearest.lo[lane] = least;
+        undecided = (undecided & ~hit) | order_places(job, numbers, corners, row, hit, lane, &nearest, packet, worker);
+        if (MLRT_LIKELY(!undecided)) return nearest;
     }
     const uint32_t before = packet->nearest.triangle[lane];
     decide_scaled_triangles(job, numbers, undecided, inside, lane, packet, worker);
-    const uint32_t nearest = packet->nearest.triangle[lane];
-    return nearest == before ? changed : find_place(numbers, nearest);
+    const uint32_t after = packet->nearest.triangle[lane];
+    return after == before ? nearest : (struct place){corners + find_place(numbers, after), row};
 }
 
 /*
- * Decides the triangles of a leaf at those of `places` where the ray may be `inside` the edges. Returns NO_PLACE if the
- * nearest hit did not change, else its place. (A tie changes the triangle but not the distance.)
+ * Decides the triangles of a leaf at those of `places` where the ray may be `inside` the edges. Sets *nearest if the
+ * nearest hit changes. Returns 1 if a query for any hit has one.
  */
-MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *numbers,
-                                   const struct mlrt_corners *corners, vm inside, uint32_t places,
-                                   const struct float_test *test, uint32_t lane, vf t_min, struct mlrt_packet *packet,
-                                   struct mlrt_worker *worker)
+MLRT_INLINE int settle_places(const struct mlrt_job *job, const uint32_t *numbers, const float *corners, uint32_t row,
+                              vm inside, uint32_t places, const struct float_test *test, uint32_t lane, vf t_min,
+                              struct place *nearest, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const vm ignored = places_without_test(packet, lane, i_load_any(numbers));
     const vf hi = v_set1(packet->nearest.hi[lane]);
     const vm left = may_be_nearer(test, m_andnot(inside, ignored), t_min, hi);
-    uint32_t candidates = m_bits(left) & places, changed = NO_PLACE;
-    if (!candidates) return NO_PLACE;
+    uint32_t candidates = m_bits(left) & places;
+    if (!candidates) return 0;
     struct verdict verdict = compare_with_nearest_hits(test, left, t_min, v_set1(packet->nearest.lo[lane]), hi);
     if (MLRT_GUESS) candidates &= m_bits(verdict.nearer);
     const uint32_t mask = packet->has.masks ? packet->mask[lane] : worker->mask;
@@ -402,19 +434,30 @@ MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *n
     uint32_t undecided = MLRT_GUESS ? 0 : m_bits(verdict.undecided) & candidates;
     const uint32_t nearer = m_bits(verdict.nearer) & candidates;
     if (nearer && job->any) {
-        changed = mlrt_lowest_bit(nearer);
-        packet->nearest.triangle[lane] = numbers[changed];
-        return changed;
+        const uint32_t place = mlrt_lowest_bit(nearer);
+        packet->nearest.triangle[lane] = numbers[place];
+        nearest->corner = corners + place;
+        nearest->row = row;
+        return 1;
     }
+    if (!(nearer | undecided)) return 0;
+    MLRT_ALIGNED(64) float lo[VW];
+    MLRT_ALIGNED(64) float greatest[VW];
+    bound_distances(test, &verdict);
+    v_store(lo, verdict.lo);
+    v_store(greatest, verdict.hi);
     if (nearer) {
-        bound_distances(test, &verdict);
-        undecided |= keep_nearest(&verdict, nearer, numbers, lane, packet, &changed);
+        uint32_t place;
+        undecided |= keep_nearest(lo, greatest, nearer, numbers, lane, packet, &place);
+        nearest->corner = corners + place;
+        nearest->row = row;
     }
     if (MLRT_UNLIKELY(undecided)) {
-        changed =
-            settle_undecided(job, numbers, corners, undecided, m_bits(verdict.inside), lane, changed, packet, worker);
+        *nearest = settle_undecided(job, numbers, corners, row, undecided, m_bits(verdict.inside), lo, lane, *nearest,
+                                    packet, worker);
+        return job->any && packet->nearest.triangle[lane] != MLRT_NONE;
     }
-    return changed;
+    return 0;
 }
 
 /* Counts the tests of a lane and the triangles of a leaf that it sees, in kernels that count. */
@@ -433,17 +476,15 @@ MLRT_INLINE void count_leaf_tests(const struct mlrt_job *job, const uint32_t *nu
 }
 
 /*
- * Tests the triangles of a leaf. Returns NULL if the nearest hit did not change, else the first of its corners'
- * coordinates.
+ * Tests the triangles of a leaf. Sets *nearest if the nearest hit changes. Returns 1 if a query for any hit has one.
  */
-MLRT_INLINE const float *test_leaf(const struct mlrt_job *job, const struct single_ray *ray, uint32_t leaf,
-                                   struct mlrt_packet *packet, struct mlrt_worker *worker)
+MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *ray, uint32_t leaf,
+                          struct place *nearest, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct mlrt_bvh *bvh = &job->tree->bvh;
     const uint32_t place_count = 4 * mlrt_bvh_quad_count(leaf);
     const float *corners = bvh->corners + (size_t)36 * mlrt_bvh_offset(leaf);
     const uint32_t *numbers = bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf);
-    const float *nearest = NULL;
     count_leaf_tests(job, numbers, place_count, packet, ray->lane, worker);
     for (uint32_t v = 0; v < place_count; v += VW) {
         const uint32_t places = VW <= 4 ? ALL_LANES : (1u << (place_count - v)) - 1;
@@ -451,13 +492,12 @@ MLRT_INLINE const float *test_leaf(const struct mlrt_job *job, const struct sing
         set_single_test(ray, corners + v, place_count, &test);
         const vm inside = may_be_inside(&test, m_from_bits(ALL_LANES));
         if (VW <= 4 && !(m_bits(inside) & places)) continue; /* wide vectors take one branch, after distances */
-        const uint32_t changed = settle_places(job, numbers + v, &(struct mlrt_corners){corners + v, place_count, 1},
-                                               inside, places, &test, ray->lane, ray->t_min, packet, worker);
-        if (changed == NO_PLACE) continue;
-        nearest = corners + v + changed;
-        if (job->any) return nearest;
+        if (settle_places(job, numbers + v, corners + v, place_count, inside, places, &test, ray->lane, ray->t_min,
+                          nearest, packet, worker)) {
+            return 1;
+        }
     }
-    return nearest;
+    return 0;
 }
 
 /* Node `child`. Its byte offset is child * 56: cheaper than its number times the 448 bytes of a node. */
@@ -483,7 +523,7 @@ static MLRT_NOINLINE struct mlrt_corners trace_single(const struct mlrt_job *job
     MLRT_ALIGNED(64) float order[MLRT_BVH_WIDTH];
     const int any = job->any;
     uint64_t stack[WAITING_LIMIT];
-    struct mlrt_corners nearest = {NULL, 0, 1};
+    struct place nearest = {NULL, 0};
     uint32_t count = 0;
     struct single_ray ray;
     set_single_ray(rows, packet, lane, &ray);
@@ -499,20 +539,16 @@ static MLRT_NOINLINE struct mlrt_corners trace_single(const struct mlrt_job *job
                 continue;
             }
         } else {
-            const float *corner = test_leaf(job, &ray, child, packet, worker);
-            if (corner) {
-                nearest.corner = corner;
-                nearest.row = 4 * mlrt_bvh_quad_count(child);
-                if (any) return nearest;
-                limit = finite_limit(packet->nearest.hi[lane]);
-            }
+            if (test_leaf(job, &ray, child, &nearest, packet, worker)) break;
+            limit = finite_limit(packet->nearest.hi[lane]);
         }
         do {
-            if (count == 0) return nearest;
+            if (count == 0) return (struct mlrt_corners){nearest.corner, (uint32_t)nearest.row, 1};
             --count;
         } while (!any && stack[count] > stack_entry(limit, 0xFFFFFFFFu));
         child = (uint32_t)stack[count];
     }
+    return (struct mlrt_corners){nearest.corner, (uint32_t)nearest.row, 1};
 }
 
 #endif

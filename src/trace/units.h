@@ -220,21 +220,6 @@ static int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers,
     return changed | mlrt_decide_triangles(job, numbers, undecided, inside, lane, packet, worker, COUNTERS(worker));
 }
 
-/* Gets the ray of a lane of a packet that is not in units, or a ray of its own. */
-MLRT_INLINE void get_ray(const struct mlrt_packet *packet, const struct mlrt_worker *worker, uint32_t lane,
-                         struct mlrt_ray_segment *ray)
-{
-    if (!worker->lone) {
-        mlrt_get_segment(packet, lane, ray);
-        return;
-    }
-    for (int k = 0; k < 3; ++k) {
-        ray->origin[k] = worker->lone->origin[k];
-        ray->direction[k] = worker->lone->direction[k];
-    }
-    ray->t_min = worker->lone->t_min;
-}
-
 /* Sets what of the packet and the worker of a ray of its own (single_ray.h) only the decisions below need. */
 static void fill_lone_packet(struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
