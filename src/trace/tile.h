@@ -71,6 +71,16 @@ MLRT_INLINE uint32_t push_boxes(const struct mlrt_bvh *bvh, uint32_t node, uint3
 /* A packet this many times as wide as most of its tile goes lane by lane: it lies across an edge of what is seen. */
 #define WIDE_PACKET MLRT_WIDE_FACTOR
 
+/* Makes the hulls of packets again, after bound_packet. */
+static void finish_again(struct mlrt_bundle *bundle, uint32_t places)
+{
+    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
+        if (!(places >> v & ALL_LANES)) continue;
+        finish_depths(bundle, places, v);
+        finish_hulls(bundle, v);
+    }
+}
+
 /* Updates the bundle after new hits of a packet in the lanes `changed`. */
 static MLRT_NOINLINE void update_bundle(struct mlrt_bundle *bundle, uint32_t place, uint32_t changed, int any)
 {
@@ -85,8 +95,57 @@ static MLRT_NOINLINE void update_bundle(struct mlrt_bundle *bundle, uint32_t pla
         return;
     }
     bound_packet(bundle, place);
-    finish_depths(bundle, 1u << place, (int)(place - place % VW));
-    finish_hulls(bundle, (int)(place - place % VW));
+    finish_again(bundle, 1u << place);
+}
+
+/*
+ * Divides the active rays of a packet in two parts where they are far from each other: it lies across an edge of what is
+ * seen. Returns the rays of one part, or 0 if there is no such gap. `depth` is where rays are compared.
+ */
+static uint32_t find_part(const struct mlrt_bundle *bundle, uint32_t place, float depth)
+{
+    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+    const uint32_t active = bundle->tile->packets[place].active;
+    for (int i = 0; i < 2; ++i) {
+        MLRT_ALIGNED(64) float at[MLRT_PACKET_RAYS];
+        vf least = v_set1(INFINITY), negated = v_set1(INFINITY), below = v_set1(-INFINITY), above = v_set1(INFINITY);
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            const vm lanes = m_from_bits(active >> v);
+            const vf from = bundle->has.places ? v_load(rays->term[MLRT_PLACE_J + i] + v) : v_set1(0);
+            const vf x = v_mul_add(v_load(rays->term[MLRT_SLOPE_J + i] + v), v_set1(depth), from);
+            v_store(at + v, v_select(lanes, x, v_set1(NAN)));
+            least = v_min(v_select(lanes, x, v_set1(INFINITY)), least);
+            negated = v_min(v_select(lanes, v_sub(v_set1(0), x), v_set1(INFINITY)), negated);
+        }
+        const float lo = v_hmin(least), hi = -v_hmin(negated), middle = 0.5f * (lo + hi);
+        uint32_t part = 0;
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            const vf x = v_load(at + v);
+            const vm is_below = v_lt(x, v_set1(middle)), is_above = v_ge(x, v_set1(middle));
+            part |= m_bits(is_below) << v;
+            below = v_max(v_select(is_below, x, v_set1(-INFINITY)), below);
+            above = v_min(v_select(is_above, x, v_set1(INFINITY)), above);
+        }
+        if (v_hmin(above) - v_hmax(below) > MLRT_LEAST_GAP * (hi - lo)) return part;
+    }
+    return 0;
+}
+
+/* Leaves one part of a packet in the bundle, and puts the other off, if it can be divided. */
+static void divide_packet(struct mlrt_bundle *bundle, uint32_t place)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    const float first = larger_of(hulls->first[place], bundle->scene.core_first), last = hulls->last[place];
+    const float end = last < bundle->scene.core_last ? last : bundle->scene.core_last;
+    need_lanes(bundle, place);
+    const uint32_t part = find_part(bundle, place, fabsf(end) > fabsf(first) ? end : first);
+    if (!part) return;
+    bundle->state.later[place] = (uint16_t)(packet->active & ~part);
+    bundle->state.divided |= 1u << place;
+    bundle->state.closed &= ~(1u << place);
+    packet->active = part;
+    bound_packet(bundle, place);
 }
 
 /* Takes a packet out of the bundle, ready to be traced lane by lane or one by one. */
@@ -94,6 +153,8 @@ static MLRT_NOINLINE void release_packet(struct mlrt_bundle *bundle, uint32_t pl
 {
     leave_bundle(bundle, place);
     need_lanes(bundle, place);
+    bundle->tile->packets[place].active |= bundle->state.later[place];
+    bundle->state.later[place] = 0;
     set_packet_distances(&bundle->tile->rays[place], &bundle->tile->packets[place]);
 }
 
@@ -413,13 +474,22 @@ static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
     return others;
 }
 
-/* Takes packets that are far wider than the others out of a bundle. */
-static void set_wide_packets_aside(uint32_t places, struct mlrt_bundle *bundle)
+/*
+ * Takes packets that are far wider than the others out of a bundle. Where any hit will do, one triangle may hide all of
+ * their rays: then they stay, and are divided if they can be, unless all rays are nearly parallel.
+ */
+static void set_wide_packets_aside(int any, uint32_t places, struct mlrt_bundle *bundle)
 {
+    if (any && bundle->waist.is_beam) return;
     for (uint32_t left = find_wide_packets(bundle) & places; left; left &= left - 1) {
+        if (any) {
+            divide_packet(bundle, mlrt_lowest_bit(left));
+            continue;
+        }
         release_packet(bundle, mlrt_lowest_bit(left));
         bundle->state.set_aside |= left & (0u - left);
     }
+    if (bundle->state.divided) finish_again(bundle, bundle->state.divided);
 }
 
 /* Begins a bundle of which only `tile` and its cells are set. */
@@ -428,7 +498,8 @@ static void begin_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
     bundle->cache = &worker->bundles->caches[job->any];
     bundle->scene.unit = job->tree->bvh.unit;
     bundle->state.made = bundle->state.given_up = bundle->state.nearer = bundle->state.covered = 0;
-    bundle->state.set_aside = bundle->state.has_reciprocals = 0;
+    bundle->state.set_aside = bundle->state.has_reciprocals = bundle->state.divided = 0;
+    memset(bundle->state.later, 0, sizeof bundle->state.later);
     bundle->has.begins = 0;
     memset(bundle->state.tests, 0, sizeof bundle->state.tests);
 }
@@ -475,15 +546,15 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     for (uint32_t left = bundle->state.closed & places; left; left &= left - 1) {
         if (bundle->tile->packets[mlrt_lowest_bit(left)].has.masks) bundle->state.closed &= ~(left & (0u - left));
     }
-    if (!job->any) set_wide_packets_aside(places, bundle); /* any-hit rays of a wide packet may all end at one wall */
+    set_wide_packets_aside(job->any, places, bundle);
     sum_up_hulls(bundle);
     bundle->far_first = job->any && ends_closer(bundle);
     keep_bundle_waist(&bundle->waist, bundle->cache);
     return others;
 }
 
-/* Traces a bundle, and ends its packets. Those that are left to be traced lane by lane are in `set_aside`. */
-static void trace_going_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
+/* Traces a bundle, but for parts that are put off. Packets that are left to be traced lane by lane are in `set_aside`. */
+static void trace_first_parts(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
     traverse_bundle(job, worker, bundle);
     uint32_t rest = 0;
@@ -502,6 +573,34 @@ static void trace_going_packets(const struct mlrt_job *job, struct mlrt_worker *
     bundle->state.set_aside |= bundle->state.given_up;
     for (uint32_t left = bundle->state.going & ~bundle->state.made; left; left &= left - 1) {
         if (has_rays(bundle, mlrt_lowest_bit(left))) finish_untouched_packet(bundle, mlrt_lowest_bit(left));
+    }
+}
+
+/* Traces a bundle, and ends its packets. Those that are left to be traced lane by lane are in `set_aside`. */
+static void trace_going_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
+{
+    uint32_t first[MLRT_BUNDLE_PACKETS], places = 0;
+    trace_first_parts(job, worker, bundle);
+    const uint32_t going = bundle->state.going;
+    for (uint32_t left = bundle->state.divided; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        if (!bundle->state.later[place]) continue;
+        places |= left & (0u - left);
+        first[place] = bundle->tile->packets[place].active;
+        bundle->tile->packets[place].active = bundle->state.later[place];
+        bundle->state.later[place] = 0;
+        bundle->state.tests[place] = 0;
+    }
+    if (!places) return;
+    for (uint32_t left = going & ~places; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
+    bundle->state.going = places;
+    for (uint32_t left = places; left; left &= left - 1) bound_packet(bundle, mlrt_lowest_bit(left));
+    finish_again(bundle, places);
+    sum_up_hulls(bundle);
+    trace_first_parts(job, worker, bundle);
+    bundle->state.going |= going;
+    for (uint32_t left = places; left; left &= left - 1) {
+        bundle->tile->packets[mlrt_lowest_bit(left)].active |= first[mlrt_lowest_bit(left)];
     }
 }
 
