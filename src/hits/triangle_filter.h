@@ -114,7 +114,6 @@ struct float_test {
     vf least;    /* of the three edge functions */
     vf greatest; /* of the three */
     vf above;    /* their bound */
-    vf below;    /* -above */
     vf determinant;
     vf plane_bound;
     vf distance;
@@ -124,39 +123,45 @@ struct float_test {
 /* The lanes of `active` that are not surely outside the edges. */
 MLRT_INLINE vm may_be_inside(const struct float_test *test, vm active)
 {
-    return m_andnot(active, m_and(v_gt(test->greatest, test->above), v_lt(test->least, test->below)));
+    return m_andnot(active, v_gt(v_min(test->greatest, v_opposite(test->least)), test->above));
 }
 
-/*
- * Those of `candidates` that are not surely before t_min, nor surely behind the nearest hits so far, which lie before
- * `hi`: the next function calls them nearer or undecided.
- */
+/* Bounds of N and D, whose fraction is t, in signs that make D positive. */
+struct fraction {
+    vf least_n;
+    vf greatest_n;
+    vf least_d;
+    vf greatest_d;
+};
+
+MLRT_INLINE struct fraction bound_fraction(const struct float_test *test)
+{
+    const vf size = v_abs(test->determinant), distance = v_flip(test->distance, test->determinant);
+    return (struct fraction){v_sub(distance, test->distance_bound), v_add(distance, test->distance_bound),
+                             v_sub(size, test->plane_bound), v_add(size, test->plane_bound)};
+}
+
+/* Those of `candidates` that are not surely before t_min, nor surely behind the nearest hits, which lie before `hi`. */
 MLRT_INLINE vm may_be_nearer(const struct float_test *test, vm candidates, vf t_min, vf hi)
 {
-    const vf size = v_abs(test->determinant), distance = v_flip(test->distance, test->determinant);
-    const vf least_d = v_sub(size, test->plane_bound), greatest_d = v_add(size, test->plane_bound);
-    const vf least_n = v_sub(distance, test->distance_bound), greatest_n = v_add(distance, test->distance_bound);
-    const vm farther = m_or(v_gt(least_n, v_mul(hi, greatest_d)), v_lt(greatest_n, v_mul(t_min, least_d)));
-    return m_andnot(candidates, m_and(v_gt(least_d, test->plane_bound), farther));
+    const struct fraction t = bound_fraction(test);
+    const vm farther = m_or(v_gt(t.least_n, v_mul(hi, t.greatest_d)), v_lt(t.greatest_n, v_mul(t_min, t.least_d)));
+    return m_andnot(candidates, m_and(v_gt(t.least_d, test->plane_bound), farther));
 }
 
 /*
- * The verdict on `candidates`, which are not surely outside, but for its lo and hi. The nearest hits so far lie between
- * `lo` and `hi`.
+ * The verdict on `candidates`, but for its lo and hi. These are not surely outside, and may be nearer as above. The
+ * nearest hits so far lie behind `lo`.
  */
-MLRT_INLINE struct verdict compare_with_nearest_hits(const struct float_test *test, vm candidates, vf t_min, vf lo,
-                                                     vf hi)
+MLRT_INLINE struct verdict compare_with_nearest_hits(const struct float_test *test, vm candidates, vf t_min, vf lo)
 {
     struct verdict verdict;
-    const vf size = v_abs(test->determinant), distance = v_flip(test->distance, test->determinant);
-    const vf least_d = v_sub(size, test->plane_bound), greatest_d = v_add(size, test->plane_bound);
-    const vf least_n = v_sub(distance, test->distance_bound), greatest_n = v_add(distance, test->distance_bound);
-    const vm certain = m_and(candidates, v_gt(least_d, test->plane_bound));
-    const vm farther = m_or(v_gt(least_n, v_mul(hi, greatest_d)), v_lt(greatest_n, v_mul(t_min, least_d)));
-    const vm nearer = m_and(v_lt(greatest_n, v_mul(lo, least_d)), v_gt(least_n, v_mul(t_min, greatest_d)));
-    verdict.inside = m_and(certain, m_or(v_gt(test->least, test->above), v_lt(test->greatest, test->below)));
+    const struct fraction t = bound_fraction(test);
+    const vm certain = m_and(candidates, v_gt(t.least_d, test->plane_bound));
+    const vm nearer = m_and(v_lt(t.greatest_n, v_mul(lo, t.least_d)), v_gt(t.least_n, v_mul(t_min, t.greatest_d)));
+    verdict.inside = m_and(certain, v_gt(v_max(test->least, v_opposite(test->greatest)), test->above));
     verdict.nearer = m_and(verdict.inside, nearer);
-    verdict.undecided = m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer);
+    verdict.undecided = m_andnot(candidates, verdict.nearer);
     verdict.lo = verdict.hi = v_set1(0);
     return verdict;
 }
@@ -164,17 +169,18 @@ MLRT_INLINE struct verdict compare_with_nearest_hits(const struct float_test *te
 /* Sets lo and hi of t = N / |D| as derived at the head of this file, with E the bound of N, and W that of D. */
 MLRT_INLINE void bound_distances(const struct float_test *test, struct verdict *verdict)
 {
-    const vf distance = v_flip(test->distance, test->determinant);
+    const struct fraction t = bound_fraction(test);
     const vf inverse = v_div(v_set1(1), v_abs(test->determinant)), slack = v_mul(inverse, test->plane_bound);
-    verdict->lo = v_mul(v_mul(v_sub(distance, test->distance_bound), inverse), v_sub(v_set1(1), slack));
-    verdict->hi = v_mul(v_mul(v_add(distance, test->distance_bound), inverse), v_add(v_set1(1), v_add(slack, slack)));
+    verdict->lo = v_mul(v_mul(t.least_n, inverse), v_sub(v_set1(1), slack));
+    verdict->hi = v_mul(v_mul(t.greatest_n, inverse), v_add(v_set1(1), v_add(slack, slack)));
 }
 
-/* The same with lo and hi, unless `any`. */
+/* The verdict on candidates that are not surely outside, with lo and hi unless `any`. */
 MLRT_INLINE struct verdict compare_distances(const struct float_test *test, vm candidates, vf t_min, vf lo, vf hi,
                                              int any)
 {
-    struct verdict verdict = compare_with_nearest_hits(test, candidates, t_min, lo, hi);
+    const vm left = may_be_nearer(test, candidates, t_min, hi);
+    struct verdict verdict = compare_with_nearest_hits(test, left, t_min, lo);
     if (!any && m_bits(verdict.nearer)) bound_distances(test, &verdict);
     return verdict;
 }

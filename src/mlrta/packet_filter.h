@@ -92,7 +92,6 @@ MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, flo
     test.least = v_min(v_min(ab, bc), ca);
     test.greatest = v_max(v_max(ab, bc), ca);
     test.above = v_set1(EDGE_BOUND * reach);
-    test.below = v_set1(-EDGE_BOUND * reach);
     const vm candidates = may_be_inside(&test, active);
     if (!m_bits(candidates)) return (struct verdict){candidates, candidates, candidates, v_set1(0), v_set1(0)};
     test.determinant = dot_product(d, terms->cross[3]);

@@ -28,6 +28,7 @@ MLRT_INLINE vf v_div(vf a, vf b) { return _mm256_div_ps(a, b); }
 MLRT_INLINE vf v_min(vf a, vf b) { return _mm256_min_ps(a, b); }
 MLRT_INLINE vf v_max(vf a, vf b) { return _mm256_max_ps(a, b); }
 MLRT_INLINE vf v_abs(vf a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a); }
+MLRT_INLINE vf v_opposite(vf a) { return _mm256_xor_ps(a, _mm256_set1_ps(-0.0f)); }
 MLRT_INLINE vf v_flip(vf a, vf b) { return _mm256_xor_ps(a, _mm256_and_ps(b, _mm256_set1_ps(-0.0f))); }
 MLRT_INLINE float v_hmin(vf a) { return f4_hmin(_mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1))); }
 MLRT_INLINE float v_hmax(vf a) { return f4_hmax(_mm_max_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1))); }

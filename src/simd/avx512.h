@@ -28,6 +28,7 @@ MLRT_INLINE vf v_div(vf a, vf b) { return _mm512_div_ps(a, b); }
 MLRT_INLINE vf v_min(vf a, vf b) { return _mm512_min_ps(a, b); }
 MLRT_INLINE vf v_max(vf a, vf b) { return _mm512_max_ps(a, b); }
 MLRT_INLINE vf v_abs(vf a) { return _mm512_abs_ps(a); }
+MLRT_INLINE vf v_opposite(vf a) { return _mm512_xor_ps(a, _mm512_set1_ps(-0.0f)); }
 MLRT_INLINE vf v_flip(vf a, vf b) { return _mm512_xor_ps(a, _mm512_and_ps(b, _mm512_set1_ps(-0.0f))); }
 MLRT_INLINE __m256 lower_half(vf a) { return _mm512_castps512_ps256(a); }
 MLRT_INLINE __m256 upper_half(vf a) { return _mm512_extractf32x8_ps(a, 1); }

@@ -62,6 +62,7 @@ MLRT_INLINE vf v_div(vf a, vf b) { return a / b; }
 MLRT_INLINE vf v_min(vf a, vf b) { return a < b ? a : b; }
 MLRT_INLINE vf v_max(vf a, vf b) { return a > b ? a : b; }
 MLRT_INLINE vf v_abs(vf a) { return float_of(bits_of(a) & 0x7FFFFFFFu); }
+MLRT_INLINE vf v_opposite(vf a) { return -a; }
 /* a with its sign flipped where b is negative */
 MLRT_INLINE vf v_flip(vf a, vf b) { return float_of(bits_of(a) ^ (bits_of(b) & 0x80000000u)); }
 MLRT_INLINE float v_hmin(vf a) { return a; }

@@ -28,6 +28,7 @@ MLRT_INLINE vf v_div(vf a, vf b) { return _mm_div_ps(a, b); }
 MLRT_INLINE vf v_min(vf a, vf b) { return _mm_min_ps(a, b); }
 MLRT_INLINE vf v_max(vf a, vf b) { return _mm_max_ps(a, b); }
 MLRT_INLINE vf v_abs(vf a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
+MLRT_INLINE vf v_opposite(vf a) { return _mm_xor_ps(a, _mm_set1_ps(-0.0f)); }
 MLRT_INLINE vf v_flip(vf a, vf b) { return _mm_xor_ps(a, _mm_and_ps(b, _mm_set1_ps(-0.0f))); }
 MLRT_INLINE float v_hmin(vf a) { return f4_hmin(a); }
 MLRT_INLINE float v_hmax(vf a) { return f4_hmax(a); }

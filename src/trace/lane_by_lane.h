@@ -503,7 +503,6 @@ MLRT_INLINE void set_test_from_origin(const vf ca[3], const vf ab[3], const vf n
     test->least = v_min(v_min(edge_ab, edge_bc), edge_ca);
     test->greatest = v_max(v_max(edge_ab, edge_bc), edge_ca);
     test->above = bound;
-    test->below = v_sub(v_set1(0), bound);
 }
 
 /* Tests a triangle against the lanes of a vector, whose directions are d. Returns the lanes with a nearer hit. */
@@ -611,7 +610,6 @@ MLRT_INLINE void set_edges_by_sides(const vf term[SIDE_TERMS], const vf to[3], c
     const vf edge_size = v_mul_add(sum_of_magnitudes(to), term[SIDE_EDGE_FACTOR], term[SIDE_PLANE_FACTOR]);
     cross_product(to, d, moment);
     test->above = MLRT_GUESS ? v_set1(0) : v_mul_add(edge_size, v_set1(EDGE_BOUND / 4), v_set1(DISTANCE_FLOOR));
-    test->below = v_sub(v_set1(0), test->above);
     test->determinant = dot_product(d, &term[SIDE_NORMAL]);
     const vf ca = dot_product(&term[SIDE_CA], moment), ab = dot_product(&term[SIDE_AB], moment);
     const vf bc = v_sub(v_sub(test->determinant, ca), ab);

@@ -148,21 +148,26 @@ MLRT_INLINE void set_single_ray(const struct ray_rows *rows, const struct mlrt_p
 MLRT_INLINE uint32_t meet_boxes(const struct single_ray *ray, const struct mlrt_bvh_node *node, float limit, int any,
                                 float order[MLRT_BVH_WIDTH])
 {
+    enum { VECTORS = MLRT_BVH_WIDTH / VW };
     const char *planes = (const char *)node;
+    vf first[VECTORS], last[VECTORS];
     uint32_t met = 0;
     MLRT_UNROLL
-    for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
-        vf first = ray->t_min, last = v_set1(limit);
+    for (int v = 0; v < VECTORS; ++v) first[v] = ray->t_min, last[v] = v_set1(limit);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const float *near = (const float *)(const void *)(planes + ray->near_row[k]);
+        const float *far = (const float *)(const void *)(planes + ray->far_row[k]);
         MLRT_UNROLL
-        for (int k = 0; k < 3; ++k) {
-            const float *near = (const float *)(const void *)(planes + ray->near_row[k]) + v;
-            const float *far = (const float *)(const void *)(planes + ray->far_row[k]) + v;
-            first = v_max(v_mul(v_sub(ray->origin[k], v_load(near)), ray->near[k]), first);
-            last = v_min(v_mul(v_sub(ray->origin[k], v_load(far)), ray->far[k]), last);
+        for (int v = 0; v < VECTORS; ++v) {
+            first[v] = v_max(v_mul(v_sub(ray->origin[k], v_load(near + v * VW)), ray->near[k]), first[v]);
+            last[v] = v_min(v_mul(v_sub(ray->origin[k], v_load(far + v * VW)), ray->far[k]), last[v]);
         }
-        v_store(order + v, any ? v_sub(last, first) : first);
-        met |= m_bits(v_le(first, last)) << v;
     }
+    MLRT_UNROLL
+    for (int v = 0; v < VECTORS; ++v) met |= m_bits(v_le(first[v], last[v])) << (v * VW);
+    MLRT_UNROLL
+    for (int v = 0; v < VECTORS; ++v) v_store(order + v * VW, any ? v_sub(last[v], first[v]) : first[v]);
     return met;
 }
 
@@ -243,13 +248,12 @@ MLRT_INLINE vf sum_of_magnitudes(const vf a[3])
 /* Sets the bounds derived at the head of this file; builds that guess have none. `reach` is 4 m. */
 MLRT_INLINE void set_bounds(const vf s[3], const vf f[3], const vf g[3], vf reach, struct float_test *test)
 {
-    test->above = test->below = test->plane_bound = test->distance_bound = v_set1(0);
+    test->above = test->plane_bound = test->distance_bound = v_set1(0);
     if (MLRT_GUESS) return;
     const vf size_s = sum_of_magnitudes(s), size_f = sum_of_magnitudes(f), size_g = sum_of_magnitudes(g);
     const vf plane_size = v_mul(size_f, size_g), floor = v_set1(DISTANCE_FLOOR);
     const vf edge_size = v_mul_add(size_s, v_add(size_f, size_g), plane_size);
     test->above = v_mul_add(v_mul(edge_size, reach), v_set1(EDGE_BOUND / 4), floor);
-    test->below = v_sub(v_set1(0), test->above);
     test->plane_bound = v_mul_add(v_mul(plane_size, reach), v_set1(PLANE_BOUND / 4), floor);
     const vf distance_floor = v_mul_add(test->plane_bound, v_set1(QUOTIENT_FLOOR), floor);
     test->distance_bound =
@@ -259,8 +263,8 @@ MLRT_INLINE void set_bounds(const vf s[3], const vf f[3], const vf g[3], vf reac
 /*
  * Computes the filter's numbers lane by lane: s goes from the origin to corner a, f and g from b and c to a. All three
  * are those of the head of this file with other signs, so that a and the origin are the first operands, and loads the
- * second ones. Of the products only N changes its sign. In this order, few values wait at a time: compilers keep it,
- * and there may be only sixteen registers.
+ * second ones. Then so are both cross products, if q is s x f as here, and of the other products only d . q changes its
+ * sign. In this order, few values wait at a time: compilers keep it, and there may be only sixteen registers.
  */
 MLRT_INLINE void set_float_test(const vf s[3], const vf f[3], const vf g[3], const vf direction[3], vf reach,
                                 struct float_test *test)
@@ -270,10 +274,10 @@ MLRT_INLINE void set_float_test(const vf s[3], const vf f[3], const vf g[3], con
     cross_product(g, direction, p);
     const vf ca = dot_product(s, p);
     test->determinant = dot_product(f, p);
-    cross_product(f, s, q);
-    test->distance = v_sub(v_set1(0), dot_product(g, q));
-    const vf ab = dot_product(direction, q);
-    const vf bc = v_sub(v_sub(test->determinant, ca), ab);
+    cross_product(s, f, q);
+    test->distance = dot_product(g, q);
+    const vf opposite_ab = dot_product(direction, q), ab = v_opposite(opposite_ab);
+    const vf bc = v_add(v_sub(test->determinant, ca), opposite_ab);
     test->least = v_min(v_min(ab, ca), bc); /* bc is the last to be known */
     test->greatest = v_max(v_max(ab, ca), bc);
 }
@@ -423,11 +427,10 @@ MLRT_INLINE int settle_places(const struct mlrt_job *job, const uint32_t *number
                               struct place *nearest, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const vm ignored = places_without_test(packet, lane, i_load_any(numbers));
-    const vf hi = v_set1(packet->nearest.hi[lane]);
-    const vm left = may_be_nearer(test, m_andnot(inside, ignored), t_min, hi);
+    const vm left = may_be_nearer(test, m_andnot(inside, ignored), t_min, v_set1(packet->nearest.hi[lane]));
     uint32_t candidates = m_bits(left) & places;
     if (!candidates) return 0;
-    struct verdict verdict = compare_with_nearest_hits(test, left, t_min, v_set1(packet->nearest.lo[lane]), hi);
+    struct verdict verdict = compare_with_nearest_hits(test, left, t_min, v_set1(packet->nearest.lo[lane]));
     if (MLRT_GUESS) candidates &= m_bits(verdict.nearer);
     const uint32_t mask = packet->has.masks ? packet->mask[lane] : worker->mask;
     if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) candidates = mlrt_visible_places(job->tree, numbers, candidates, mask);
@@ -485,19 +488,22 @@ MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *r
     const uint32_t place_count = 4 * mlrt_bvh_quad_count(leaf);
     const float *corners = bvh->corners + (size_t)36 * mlrt_bvh_offset(leaf);
     const uint32_t *numbers = bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf);
+    uint32_t places = (1u << place_count) - 1; /* bits of other vectors do no harm */
     count_leaf_tests(job, numbers, place_count, packet, ray->lane, worker);
-    for (uint32_t v = 0; v < place_count; v += VW) {
-        const uint32_t places = VW <= 4 ? ALL_LANES : (1u << (place_count - v)) - 1;
+    for (;;) {
         struct float_test test;
-        set_single_test(ray, corners + v, place_count, &test);
+        set_single_test(ray, corners, place_count, &test);
         const vm inside = may_be_inside(&test, m_from_bits(ALL_LANES));
-        if (VW <= 4 && !(m_bits(inside) & places)) continue; /* wide vectors take one branch, after distances */
-        if (settle_places(job, numbers + v, corners + v, place_count, inside, places, &test, ray->lane, ray->t_min,
-                          nearest, packet, worker)) {
+        if ((VW > 4 || m_bits(inside)) && /* wide vectors take one branch, after distances */
+            settle_places(job, numbers, corners, place_count, inside, places, &test, ray->lane, ray->t_min, nearest,
+                          packet, worker)) {
             return 1;
         }
+        places >>= VW;
+        if (VW == MLRT_BVH_LEAF_LIMIT || !places) return 0;
+        corners += VW;
+        numbers += VW;
     }
-    return 0;
 }
 
 /* Node `child`. Its byte offset is child * 56: cheaper than its number times the 448 bytes of a node. */

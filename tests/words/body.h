@@ -31,7 +31,7 @@ static void run_vector(const struct word_input *in, int v, struct word_output *o
     v_store(out->values[WORD_MIN] + v, v_min(a, b));
     v_store(out->values[WORD_MAX] + v, v_max(a, b));
     v_store(out->values[WORD_ABS] + v, v_abs(a));
-    v_store(out->values[WORD_FLIP] + v, v_flip(a, b));
+    v_store(out->values[WORD_FLIP] + v, v_opposite(v_flip(a, b)));
     v_store(out->values[WORD_SELECT] + v, v_select(some, a, b));
     i_store(out->integers[WORD_INTEGER_SET1] + v, i_set1(in->lanes));
     i_store(out->integers[WORD_INTEGER_SELECT] + v, i_select(less, whole_a, whole_b));
