@@ -682,7 +682,7 @@ static double attack_single_t(const float *input)
         struct float_test test;
         if (!load_single(input, is_any, &test)) continue;
         test.least = test.greatest = FLT_MAX;
-        test.above = test.below = 0;
+        test.above = 0;
         const struct verdict verdict = compare_distances(&test, ALL_LANES, 0, INFINITY, INFINITY, 0);
         if (!verdict.nearer || isinf(verdict.hi)) continue;
         find_d_and_n(other_truth, truth);
