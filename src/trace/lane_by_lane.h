@@ -653,12 +653,13 @@ static MLRT_NOINLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job,
         }
         struct float_test test;
         set_edges_by_sides(term, to, d, &test);
-        const vm candidates = may_be_inside(&test, active);
-        if (!m_bits(candidates)) continue;
         set_plane_by_sides(term, to, &test);
-        const struct verdict verdict =
-            compare_distances(&test, candidates, v_load(packet->t_min + v), v_load(packet->nearest.lo + v),
-                              v_load(packet->nearest.hi + v), 0);
+        const vf t_min = v_load(packet->t_min + v);
+        const vm inside = may_be_inside(&test, active);
+        const vm candidates = may_be_nearer(&test, inside, t_min, v_load(packet->nearest.hi + v));
+        if (!m_bits(candidates)) continue; /* one branch, after distances */
+        struct verdict verdict = compare_with_nearest_hits(&test, candidates, t_min, v_load(packet->nearest.lo + v));
+        bound_distances(&test, &verdict);
         keep_verdict(&verdict, number, v, packet, &outcome);
     }
     if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;
