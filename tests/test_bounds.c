@@ -1085,7 +1085,7 @@ static struct mlrt_operands load_judge(const float *input)
     memcpy(ray.direction, input + 12, sizeof ray.direction);
     load_direction(input, direction);
     load_exactly(input, direction);
-    return mlrt_load_operands(ray.origin, ray.direction, &triangle);
+    return mlrt_load_operands(ray.origin, ray.direction, triangle.v[0], 1);
 }
 
 static double measured_over(const mpf_t exact, struct mlrt_measured measured, double error)

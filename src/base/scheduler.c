@@ -108,7 +108,7 @@ static void *run_thread(void *argument)
         change_counter(&pool->threads.busy_count, 1);
         work_on_batch(pool, pool->threads.batch, thread->worker);
         change_counter(&pool->threads.busy_count, -1);
-        pthread_cond_signal(&pool->threads.batch_ends);
+        if (pool->threads.busy_count == 0) pthread_cond_signal(&pool->threads.batch_ends);
     }
     pthread_mutex_unlock(&pool->mutex);
     return NULL;

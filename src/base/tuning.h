@@ -46,7 +46,7 @@
  * A packet this many times as wide as most packets of its tile goes lane by lane, where the nearest hit is asked for.
  * Where any hit will do, it stays. If its rays are in two parts, with a gap between them that is at least LEAST_GAP of
  * its width, these are traced one after the other. Without that, shadow rays have 0.90 to 0.98 of their speed, and rays
- * to a light 0.93 to 0.98.
+ * to a light 0.92 to 0.98.
  */
 #ifndef MLRT_WIDE_FACTOR
 #define MLRT_WIDE_FACTOR 4.0f

@@ -7,7 +7,7 @@
 MLRT_NOINLINE struct mlrt_crossing mlrt_cross_plane(const float origin[3], const float direction[3],
                                                     const struct mlrt_triangle *triangle)
 {
-    const struct mlrt_operands operands = mlrt_load_operands(origin, direction, triangle);
+    const struct mlrt_operands operands = mlrt_load_operands(origin, direction, triangle->v[0], 1);
     return mlrt_measure_crossing(&operands);
 }
 

@@ -82,13 +82,14 @@ struct mlrt_operands {
     double ab_size, ac_size, direction_size, to_a_size;
 };
 
+/* Coordinate i of the corners is corner[i * row]. */
 MLRT_INLINE struct mlrt_operands mlrt_load_operands(const float origin[3], const float direction[3],
-                                                    const struct mlrt_triangle *triangle)
+                                                    const float *corner, size_t row)
 {
     struct mlrt_operands operands;
-    struct mlrt_vector a = mlrt_vector_at(triangle->v[0], 1);
-    operands.ab = mlrt_subtract(mlrt_vector_at(triangle->v[1], 1), a);
-    operands.ac = mlrt_subtract(mlrt_vector_at(triangle->v[2], 1), a);
+    struct mlrt_vector a = mlrt_vector_at(corner, row);
+    operands.ab = mlrt_subtract(mlrt_vector_at(corner + 3 * row, row), a);
+    operands.ac = mlrt_subtract(mlrt_vector_at(corner + 6 * row, row), a);
     operands.direction = mlrt_vector_at(direction, 1);
     operands.to_a = mlrt_subtract(a, mlrt_vector_at(origin, 1));
     operands.ab_size = mlrt_size_of(operands.ab);

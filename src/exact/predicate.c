@@ -202,7 +202,7 @@ MLRT_INLINE int sign_beyond(const struct mlrt_ray_segment *ray, const struct mlr
 int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
                        mlrt_counters *counters)
 {
-    struct mlrt_operands operands = mlrt_load_operands(ray->origin, ray->direction, triangle);
+    struct mlrt_operands operands = mlrt_load_operands(ray->origin, ray->direction, triangle->v[0], 1);
     struct mlrt_crossing crossing = mlrt_measure_crossing(&operands);
     /* First, since many rays that are judged start beside a surface and leave it. */
     if (mlrt_certain_sign(crossing.d, MLRT_SIGN_ERROR) *
@@ -256,7 +256,7 @@ static MLRT_NOINLINE int crosses_exactly(const struct mlrt_ray_segment *ray, con
 
 int mlrt_crosses_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle)
 {
-    struct mlrt_operands operands = mlrt_load_operands(ray->origin, ray->direction, triangle);
+    struct mlrt_operands operands = mlrt_load_operands(ray->origin, ray->direction, triangle->v[0], 1);
     struct mlrt_two_edges edges = mlrt_measure_edges(&operands);
     struct mlrt_crossing crossing = mlrt_measure_crossing(&operands);
     int inside = mlrt_certain_sign(edges.ab, MLRT_SIGN_ERROR) != 0 &&

@@ -66,7 +66,7 @@ void mlrt_bound_distance(const struct mlrt_ray_segment *ray, const struct mlrt_t
 int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int is_inside,
                          const struct mlrt_triangle *other, float *lo, float *hi)
 {
-    const struct mlrt_operands operands = mlrt_load_operands(ray->origin, ray->direction, triangle);
+    const struct mlrt_operands operands = mlrt_load_operands(ray->origin, ray->direction, triangle->v[0], 1);
     const struct mlrt_crossing crossing = mlrt_measure_crossing(&operands);
     const int facing = mlrt_certain_sign(crossing.d, MLRT_SIGN_ERROR);
     const int beyond_t_min = facing * mlrt_certain_sign(mlrt_measure_beyond(&crossing, ray->t_min), MLRT_SIGN_ERROR);
@@ -102,23 +102,6 @@ MLRT_INLINE uint32_t coordinate_bits(const struct mlrt_corners *corners, size_t 
     return bits;
 }
 
-/* As mlrt_cross_plane (determinants.h), wherever the corners lie. */
-MLRT_INLINE struct mlrt_crossing cross_plane_of(const struct mlrt_operands *of_ray, struct mlrt_vector origin,
-                                                const struct mlrt_corners *corners)
-{
-    const float *c = corners->corner;
-    const size_t row = corners->row;
-    const struct mlrt_vector a = mlrt_vector_at(c, row);
-    struct mlrt_operands operands = *of_ray;
-    operands.ab = mlrt_subtract(mlrt_vector_at(c + 3 * row, row), a);
-    operands.ac = mlrt_subtract(mlrt_vector_at(c + 6 * row, row), a);
-    operands.to_a = mlrt_subtract(a, origin);
-    operands.ab_size = mlrt_size_of(operands.ab);
-    operands.ac_size = mlrt_size_of(operands.ac);
-    operands.to_a_size = mlrt_size_of(operands.to_a);
-    return mlrt_measure_crossing(&operands);
-}
-
 /* Do two triangles lie in one plane across an axis, by the bits of their coordinates? (For 0 and -0: no.) */
 MLRT_INLINE int share_flat_plane(const struct mlrt_corners *first, const struct mlrt_corners *second)
 {
@@ -137,12 +120,10 @@ MLRT_INLINE int share_flat_plane(const struct mlrt_corners *first, const struct 
 int mlrt_comes_first(const float origin[3], const float direction[3], const struct mlrt_corners *first,
                      const struct mlrt_corners *second, int wins_tie)
 {
-    struct mlrt_operands of_ray;
-    const struct mlrt_vector from = mlrt_vector_at(origin, 1);
-    of_ray.direction = mlrt_vector_at(direction, 1);
-    of_ray.direction_size = mlrt_size_of(of_ray.direction);
-    const struct mlrt_crossing crossing_1 = cross_plane_of(&of_ray, from, first),
-                               crossing_2 = cross_plane_of(&of_ray, from, second);
+    const struct mlrt_operands operands_1 = mlrt_load_operands(origin, direction, first->corner, first->row),
+                               operands_2 = mlrt_load_operands(origin, direction, second->corner, second->row);
+    const struct mlrt_crossing crossing_1 = mlrt_measure_crossing(&operands_1),
+                               crossing_2 = mlrt_measure_crossing(&operands_2);
     const struct mlrt_measured order = mlrt_measure_order(&crossing_1, &crossing_2);
     const double bound = MLRT_ORDER_ERROR * order.size;
     const double later = order.value * copysign(1, crossing_1.d.value * crossing_2.d.value);
@@ -247,7 +228,7 @@ static int round_flat_quotient(const struct mlrt_ray_segment *ray, const struct 
 void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, uint32_t outputs,
                      struct mlrt_hit_report *report)
 {
-    struct mlrt_operands operands = mlrt_load_operands(ray->origin, ray->direction, triangle);
+    struct mlrt_operands operands = mlrt_load_operands(ray->origin, ray->direction, triangle->v[0], 1);
     struct mlrt_crossing crossing = mlrt_measure_crossing(&operands);
     if (MLRT_UNLIKELY(!is_safe_denominator(crossing.d))) {
         report_hit_exactly(ray, triangle, outputs, report);

@@ -104,7 +104,7 @@ uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32
 }
 
 int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided, uint32_t inside,
-                          uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker,
+                          uint32_t tried, uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker,
                           mlrt_counters *counters)
 {
     struct mlrt_ray_segment ray;
@@ -119,12 +119,14 @@ int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, u
             if (counters) ++counters->tie_lane_count;
             continue;
         }
-        const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
-        struct mlrt_triangle other;
-        if (nearest != MLRT_NONE) other = mlrt_triangle_at(&job->tree->by_number, nearest);
-        const int nearer =
-            mlrt_offer_in_double(&ray, &triangle, known_inside != 0, nearest == MLRT_NONE ? NULL : &other,
-                                 &packet->nearest.lo[lane], &packet->nearest.hi[lane]);
+        int nearer = -1;
+        if (!(tried >> i & 1)) {
+            const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
+            struct mlrt_triangle other;
+            if (nearest != MLRT_NONE) other = mlrt_triangle_at(&job->tree->by_number, nearest);
+            nearer = mlrt_offer_in_double(&ray, &triangle, known_inside != 0, nearest == MLRT_NONE ? NULL : &other,
+                                          &packet->nearest.lo[lane], &packet->nearest.hi[lane]);
+        }
         if (nearer >= 0) {
             if (counters) {
                 ++counters->undecided_test_count;

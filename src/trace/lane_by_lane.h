@@ -679,7 +679,7 @@ static MLRT_NOINLINE void trace_few_lanes(const struct mlrt_job *job, uint32_t c
     }
 }
 
-/* Tests each of `lanes` against the triangles at `places` of a vector. Returns the lanes with a nearer hit. */
+/* Tests each of `lanes` against the triangles at `places` of a vector. Returns those that have a hit, if any will do. */
 MLRT_INLINE uint32_t test_triangles_lane_by_lane(const struct mlrt_job *job, uint32_t lanes, const float *corners,
                                                  uint32_t row, uint32_t places, const uint32_t *numbers, float reach,
                                                  struct mlrt_packet *packet, struct mlrt_worker *worker)
@@ -701,7 +701,7 @@ MLRT_INLINE uint32_t test_triangles_lane_by_lane(const struct mlrt_job *job, uin
         if (!(m_bits(inside) & places) && !MLRT_COUNTING) continue;
         set_plane_by_sides(term, to, &test);
         const vf t_min = v_set1(packet->t_min[lane]);
-        struct place nearest = {NULL, 0};
+        struct corner_rows nearest = {NULL, 0};
         if (settle_places(job, numbers, corners, row, inside, places, &test, lane, t_min, &nearest, packet, worker)) {
             all_changed |= 1u << lane;
         }

@@ -68,9 +68,6 @@ MLRT_INLINE uint32_t push_boxes(const struct mlrt_bvh *bvh, uint32_t node, uint3
     return count;
 }
 
-/* A packet this many times as wide as most of its tile goes lane by lane: it lies across an edge of what is seen. */
-#define WIDE_PACKET MLRT_WIDE_FACTOR
-
 /* Makes the hulls of packets again, after bound_packet. */
 static void finish_again(struct mlrt_bundle *bundle, uint32_t places)
 {
@@ -108,16 +105,16 @@ static uint32_t find_part(const struct mlrt_bundle *bundle, uint32_t place, floa
     const uint32_t active = bundle->tile->packets[place].active;
     for (int i = 0; i < 2; ++i) {
         MLRT_ALIGNED(64) float at[MLRT_PACKET_RAYS];
-        vf least = v_set1(INFINITY), negated = v_set1(INFINITY), below = v_set1(-INFINITY), above = v_set1(INFINITY);
+        vf least = v_set1(INFINITY), greatest = v_set1(-INFINITY), below = greatest, above = least;
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             const vm lanes = m_from_bits(active >> v);
             const vf from = bundle->has.places ? v_load(rays->term[MLRT_PLACE_J + i] + v) : v_set1(0);
             const vf x = v_mul_add(v_load(rays->term[MLRT_SLOPE_J + i] + v), v_set1(depth), from);
             v_store(at + v, v_select(lanes, x, v_set1(NAN)));
             least = v_min(v_select(lanes, x, v_set1(INFINITY)), least);
-            negated = v_min(v_select(lanes, v_sub(v_set1(0), x), v_set1(INFINITY)), negated);
+            greatest = v_max(v_select(lanes, x, v_set1(-INFINITY)), greatest);
         }
-        const float lo = v_hmin(least), hi = -v_hmin(negated), middle = 0.5f * (lo + hi);
+        const float lo = v_hmin(least), hi = v_hmax(greatest), middle = 0.5f * (lo + hi);
         uint32_t part = 0;
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             const vf x = v_load(at + v);
@@ -385,7 +382,7 @@ static MLRT_NOINLINE uint32_t find_wide_packets(const struct mlrt_bundle *bundle
         least = v_min(v_select(going, width, v_set1(INFINITY)), least);
         greatest = v_max(v_select(going, width, v_set1(0)), greatest);
     }
-    if (MLRT_LIKELY(v_hmax(greatest) <= WIDE_PACKET * v_hmin(least))) return 0;
+    if (MLRT_LIKELY(v_hmax(greatest) <= MLRT_WIDE_FACTOR * v_hmin(least))) return 0;
     float sorted[MLRT_BUNDLE_PACKETS];
     uint32_t count = 0, wide = 0;
     for (uint32_t left = bundle->state.going; left; left &= left - 1) {
@@ -394,7 +391,7 @@ static MLRT_NOINLINE uint32_t find_wide_packets(const struct mlrt_bundle *bundle
         for (; at > 0 && sorted[at - 1] > width; --at) sorted[at] = sorted[at - 1];
         sorted[at] = width;
     }
-    const float limit = WIDE_PACKET * sorted[count / 4];
+    const float limit = MLRT_WIDE_FACTOR * sorted[count / 4];
     for (uint32_t left = bundle->state.going; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         if (!(widths[place] <= limit)) wide |= 1u << place;
@@ -478,7 +475,7 @@ static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
  * Takes packets that are far wider than the others out of a bundle. Where any hit will do, one triangle may hide all of
  * their rays: then they stay, and are divided if they can be, unless all rays are nearly parallel.
  */
-static void set_wide_packets_aside(int any, uint32_t places, struct mlrt_bundle *bundle)
+static void take_wide_packets_apart(int any, uint32_t places, struct mlrt_bundle *bundle)
 {
     if (any && bundle->waist.is_beam) return;
     for (uint32_t left = find_wide_packets(bundle) & places; left; left &= left - 1) {
@@ -546,7 +543,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     for (uint32_t left = bundle->state.closed & places; left; left &= left - 1) {
         if (bundle->tile->packets[mlrt_lowest_bit(left)].has.masks) bundle->state.closed &= ~(left & (0u - left));
     }
-    set_wide_packets_aside(job->any, places, bundle);
+    take_wide_packets_apart(job->any, places, bundle);
     sum_up_hulls(bundle);
     bundle->far_first = job->any && ends_closer(bundle);
     keep_bundle_waist(&bundle->waist, bundle->cache);

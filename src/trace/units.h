@@ -204,7 +204,7 @@ static int passes_box(const struct mlrt_packet *packet, uint32_t lane, const str
  * double first.
  */
 static int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided, uint32_t inside,
-                            uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker)
+                            uint32_t tried, uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     int changed = 0;
     for (uint32_t left = mlrt_has_usual_triangles(job->tree) ? 0 : undecided; left; left &= left - 1) {
@@ -217,7 +217,7 @@ static int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers,
         if (changed && job->any) return 1;
     }
     if (!undecided) return changed;
-    return changed | mlrt_decide_triangles(job, numbers, undecided, inside, lane, packet, worker, COUNTERS(worker));
+    return changed | mlrt_decide_triangles(job, numbers, undecided, inside, tried, lane, packet, worker, COUNTERS(worker));
 }
 
 /* Sets what of the packet and the worker of a ray of its own (single_ray.h) only the decisions below need. */
@@ -238,14 +238,14 @@ static void fill_lone_packet(struct mlrt_packet *packet, struct mlrt_worker *wor
 
 /* As decide_triangles, for a packet that may be in units. */
 static MLRT_NOINLINE int decide_scaled_triangles(const struct mlrt_job *job, const uint32_t *numbers,
-                                                 uint32_t undecided, uint32_t inside, uint32_t lane,
+                                                 uint32_t undecided, uint32_t inside, uint32_t tried, uint32_t lane,
                                                  struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     struct mlrt_scaled_packet *scaled = worker->scaled;
     if (worker->lone) fill_lone_packet(packet, worker);
-    if (MLRT_LIKELY(!scaled)) return decide_triangles(job, numbers, undecided, inside, lane, packet, worker);
+    if (MLRT_LIKELY(!scaled)) return decide_triangles(job, numbers, undecided, inside, tried, lane, packet, worker);
     take_scaled_hits(scaled, 1u << lane);
-    const int changed = decide_triangles(job, numbers, undecided, inside, lane, scaled->given, worker);
+    const int changed = decide_triangles(job, numbers, undecided, inside, tried, lane, scaled->given, worker);
     reload_nearest(scaled, 1u << lane, (uint32_t)changed << lane);
     return changed;
 }
