@@ -47,7 +47,7 @@
 #   make update-abi      writes tests/abi anew, after an intended change
 #   make check-header    compiles mlrt.h alone, in every C and C++ of the compilers here
 #   make check-layers    checks all includes in src: no circle, no arrow upward, each header compiles alone; no crowded struct
-#   make check-lemmas    proves the bounds of bundles (docs/accuracy.md), if Gappa is installed
+#   make check-lemmas    proves bounds of docs/accuracy.md, if Gappa is installed
 #   make check-tables    compares tables, watched figures and charts of README.md, docs/ and bindings/ with docs/data
 #   make check-copies    runs three copies of the library in one process
 #   make check-churn     makes and destroys 10,000 trees and pools under valgrind
