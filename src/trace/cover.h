@@ -96,11 +96,13 @@ MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_
         error = v_set1(2 * DISTANCE_ERROR * leaf->planes.away[triangle] + 2 * DISTANCE_FLOOR);
         error = v_mul_add(v_load(hulls->filter.blur + v), v_set1(has_places ? 8 : 0), error);
     }
-    MLRT_UNROLL
-    for (int i = 0; has_places && i < 2; ++i) {
-        const vf n = v_set1(leaf->planes.normal[1 + i][triangle]);
-        middle = v_sub(middle, v_mul(n, v_load(hulls->filter.middle[MLRT_PLACE_J + i] + v)));
-        radius = v_mul_add(v_abs(n), v_load(hulls->filter.radius[MLRT_PLACE_J + i] + v), radius);
+    if (has_places) {
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            const vf n = v_set1(leaf->planes.normal[1 + i][triangle]);
+            middle = v_sub(middle, v_mul(n, v_load(hulls->filter.middle[MLRT_PLACE_J + i] + v)));
+            radius = v_mul_add(v_abs(n), v_load(hulls->filter.radius[MLRT_PLACE_J + i] + v), radius);
+        }
     }
     const vf width = v_mul(v_load(hulls->filter.reach + v), v_set1(PLANE_BOUND)), zero = v_set1(0);
     const vf n = v_select(backward, v_sub(zero, middle), middle), room = v_add(radius, error);

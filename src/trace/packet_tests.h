@@ -123,9 +123,10 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     vf n = v_set1(leaf->planes.distance[triangle]), d = v_set1(leaf->planes.normal[0][triangle]);
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) d = v_mul_add(v_set1(leaf->planes.normal[1 + i][triangle]), of->slope[i], d);
-    MLRT_UNROLL
-    for (int i = 0; has_places && i < 3; ++i)
-        n = v_mul_add(v_set1(leaf->planes.normal[i][triangle]), of->to_waist[i], n);
+    if (has_places) {
+        MLRT_UNROLL
+        for (int i = 0; i < 3; ++i) n = v_mul_add(v_set1(leaf->planes.normal[i][triangle]), of->to_waist[i], n);
+    }
     const float error = DISTANCE_ERROR * (leaf->planes.away[triangle] + bounds->away) + DISTANCE_FLOOR;
     const vf size = has_places ? v_abs(d) : d, distance = has_places ? v_flip(n, d) : n, width = bounds->width;
     plane->least_d = v_sub(size, width);
