@@ -51,9 +51,23 @@ case $target in
 *) sh tests/amalgamation.sh "$amalgamation" "$target" "$run" "$target-gcc" "$@" ;;
 esac
 
-if command -v clang >/dev/null; then
+# QEMU 7.2 multiplies two floats into a double wrongly on s390x (MDEBR), which clang makes use of and gcc does not.
+multiplies_rightly() {
+    cat >"$amalgamation/$target-product.c" <<'EOF'
+__attribute__((noinline)) static double product(float a, float b) { return (double)a * b; }
+int main(int count, char **words) { (void)words; return product(1.5f * (float)count, 3.0f * (float)count) != 4.5; }
+EOF
+    clang --target="$target" -isystem "/usr/$target/include" -O2 -c "$amalgamation/$target-product.c" \
+        -o "$amalgamation/$target-product.o"
+    "$target-gcc" -static "$amalgamation/$target-product.o" -o "$amalgamation/$target-product"
+    "$run" "$amalgamation/$target-product"
+}
+
+if ! command -v clang >/dev/null; then
+    echo "amalgamation, $target: no clang: not tested with it"
+elif [ "${target%%-*}" = s390x ] && [ "$run" != - ] && ! multiplies_rightly; then
+    echo "amalgamation, $target: $run multiplies floats wrongly in programs of clang: not tested with it"
+else
     sh tests/amalgamation.sh "$amalgamation" "$target" "$run" \
         clang --target="$target" -isystem "/usr/$target/include" "$@"
-else
-    echo "amalgamation, $target: no clang: not tested with it"
 fi
