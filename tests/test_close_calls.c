@@ -483,7 +483,7 @@ static void close_calls_are_stopped(void **state)
         aim_at_nest(bench);
         mlrt_begin_progress(&host, 1, &progress);
         bench->worker.watch.progress = &progress;
-        bench->worker.watch.environment = mlrt_enter_fp_environment();
+        mlrt_enter_fp_environment(&bench->worker.watch.environment);
         for (; number > 0 && !bench->worker.watch.stopped; number--) {
             functions[i](tree, number, 0xFFFF, 0xFFFF, &bench->packet, &bench->worker, NULL);
         }
@@ -492,7 +492,7 @@ static void close_calls_are_stopped(void **state)
         const struct mlrt_packet before = bench->packet;
         assert_int_equal(functions[i](tree, 0, 0xFFFF, 0xFFFF, &bench->packet, &bench->worker, NULL), 0);
         assert_memory_equal(before.nearest.triangle, bench->packet.nearest.triangle, sizeof before.nearest.triangle);
-        mlrt_leave_fp_environment(bench->worker.watch.environment);
+        mlrt_leave_fp_environment(&bench->worker.watch.environment);
         mlrt_end_progress(&progress, MLRT_ERROR_CANCELLED);
     }
     mlrt_destroy_tree(tree);

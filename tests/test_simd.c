@@ -51,11 +51,13 @@ static const char *const names[WORD_COUNT] = {"v_set1",         "v_add",
                                               "f4_join",        "f4_hide",
                                               "f4_store_whole", "f4_last",
                                               "f4_hmin",        "f4_hmax",
-                                              "f4_corners",     "f4_load_any",
-                                              "f4_same_words",  "f4_and_same",
-                                              "f4_signs",       "f4_low",
-                                              "f4_high",        "f4_evens",
-                                              "f4_odds",        "f4_store_low and f4_store_high"};
+                                              "f4_least_of",    "f4_greatest_of",
+                                              "f4_are_within",  "f4_corners",
+                                              "f4_load_any",    "f4_same_words",
+                                              "f4_and_same",    "f4_signs",
+                                              "f4_low",         "f4_high",
+                                              "f4_evens",       "f4_odds",
+                                              "f4_store_low and f4_store_high"};
 
 static const float special[] = {0,
                                 -0.0f,

@@ -13,21 +13,18 @@
 #include "base/structs.h"
 #include "job/job.h"
 
-/* All words of a part of a struct, or-ed together. `size` is a multiple of 4. */
-MLRT_INLINE uint64_t words_of(const void *part, size_t size)
+/* `all` with all words of a part of a struct or-ed to it. The part has at least 8 bytes. */
+MLRT_INLINE uint64_t or_words(uint64_t all, const void *part, size_t size)
 {
-    uint64_t all = 0, two;
-    uint32_t one;
+    uint64_t two;
     MLRT_UNROLL
     for (size_t i = 0; i + sizeof two <= size; i += sizeof two) {
         memcpy(&two, (const unsigned char *)part + i, sizeof two);
         all |= two;
     }
-    if (size % sizeof two) {
-        memcpy(&one, (const unsigned char *)part + size - sizeof one, sizeof one);
-        all |= one;
-    }
-    return all;
+    if (size % sizeof two == 0) return all;
+    memcpy(&two, (const unsigned char *)part + size - sizeof two, sizeof two);
+    return all | two;
 }
 
 /*
@@ -37,9 +34,9 @@ MLRT_INLINE uint64_t words_of(const void *part, size_t size)
 MLRT_INLINE int mlrt_are_plain(const mlrt_trace_options *of)
 {
     const size_t first = offsetof(mlrt_trace_options, culling), last = offsetof(mlrt_trace_options, counters);
-    return ((uint32_t)of->method | (of->query & ~MLRT_QUERY_ANY) |
-            words_of(&of->culling, offsetof(mlrt_trace_options, mask) - first) |
-            words_of(&of->counters, sizeof *of - last)) == 0;
+    uint64_t all = (uint32_t)of->method | ((uint32_t)of->query & ~(uint32_t)MLRT_QUERY_ANY);
+    all = or_words(all, &of->culling, offsetof(mlrt_trace_options, mask) - first);
+    return or_words(all, &of->counters, sizeof *of - last) == 0;
 }
 
 /* The options of a call, and what it runs with. */

@@ -125,7 +125,7 @@ static float resolve_t_max(const mlrt_ray *ray)
 {
     uint32_t bits;
     memcpy(&bits, &ray->t_max, sizeof bits);
-    return bits << 1 ? ray->t_max : INFINITY;
+    return bits & 0x7FFFFFFF ? ray->t_max : INFINITY;
 }
 
 /* Traces one ray with all checks of a call. */
@@ -141,14 +141,15 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_tra
     if (status != MLRT_OK) return status;
     mlrt_counters own = {.struct_size = 0};
     mlrt_counters *counters = call.options->counters;
-    const uint64_t environment = mlrt_enter_fp_environment();
+    mlrt_fp_environment environment;
+    mlrt_enter_fp_environment(&environment);
     if (job.method == MLRT_METHOD_TILE && !counters) {
         lone->kernels = job.kernels;
         mlrt_trace_lone_ray(tree, lone, hit);
     } else {
         mlrt_trace_by_ray(tree, lone, counters ? &own : NULL, hit);
     }
-    mlrt_leave_fp_environment(environment);
+    mlrt_leave_fp_environment(&environment);
     if (counters) mlrt_add_counters(counters, &own);
     return MLRT_OK;
 }
@@ -213,15 +214,10 @@ static MLRT_NOINLINE int32_t trace_any_ray(const mlrt_tree *tree, const mlrt_ray
     return MLRT_OK;
 }
 
-/* The kernels for options, as far as they are known at once. */
-MLRT_INLINE const struct mlrt_kernels *known_kernels(const mlrt_tree *tree, const mlrt_trace_options *options)
-{
-    return mlrt_known_kernels(tree->structure, options ? options->isa : MLRT_ISA_AUTO);
-}
-
 /* Ends a call that turns out not to be a usual one. */
 static MLRT_NOINLINE int32_t trace_after_all(const mlrt_tree *tree, const mlrt_ray *ray,
-                                             const mlrt_trace_options *options, uint64_t environment, mlrt_hit *hit)
+                                             const mlrt_trace_options *options,
+                                             const mlrt_fp_environment *environment, mlrt_hit *hit)
 {
     mlrt_leave_fp_environment(environment); /* comparisons may have raised flags */
     return trace_any_ray(tree, ray, options, hit);
@@ -242,10 +238,11 @@ static MLRT_NOINLINE int32_t trace_skipping_ray(const mlrt_tree *tree, const mlr
  */
 static MLRT_NOINLINE int32_t trace_usual_ray(const mlrt_tree *tree, const mlrt_ray *ray,
                                              const mlrt_trace_options *options, struct mlrt_lone_ray *lone,
-                                             const uint64_t *environment, mlrt_hit *hit)
+                                             const mlrt_fp_environment *environment, mlrt_hit *hit)
 {
-    const struct mlrt_kernels *kernels = known_kernels(tree, options);
-    if (MLRT_UNLIKELY(!kernels)) return trace_after_all(tree, ray, options, *environment, hit);
+    const struct mlrt_kernels *kernels =
+        mlrt_known_kernels(tree->structure, options ? options->isa : MLRT_ISA_AUTO);
+    if (MLRT_UNLIKELY(!kernels)) return trace_after_all(tree, ray, options, environment, hit);
     set_lone_ray(ray, options, lone);
     lone->skip = MLRT_NONE;
     if (ray->flags) return trace_skipping_ray(tree, ray, kernels, lone, hit);
@@ -259,7 +256,8 @@ MLRT_INLINE int is_usual_call(const mlrt_tree *tree, const mlrt_ray *ray, const 
     static const float one = 1; /* compared as bits, which takes fewer steps */
     return tree && !memcmp(&tree->bvh.unit, &one, sizeof one) && ray && ray->struct_size == sizeof *ray && hit &&
            hit->struct_size == sizeof *hit && ray->flags <= MLRT_RAY_SKIP &&
-           (!options || (options->struct_size == sizeof *options && mlrt_are_plain(options)));
+           (!options || (options->struct_size == sizeof *options && mlrt_are_plain(options) &&
+                         mlrt_is_known_isa(options->isa)));
 }
 
 /* Traces usual calls in the floating-point environment of the library; trace_any_ray traces the others. */
@@ -267,14 +265,12 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
                                 mlrt_hit *hit)
 {
     struct mlrt_lone_ray lone;
-    uint64_t environment;
+    mlrt_fp_environment environment;
     int32_t status;
     if (MLRT_UNLIKELY(!is_usual_call(tree, ray, options, hit) || !mlrt_has_usual_fp_environment(&environment)))
         return trace_any_ray(tree, ray, options, hit);
     switch (mlrt_take_lone_ray(&tree->bvh.whole, ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &lone)) {
     case MLRT_LONE_RAY_MISSES:
-        if (MLRT_UNLIKELY(options && options->isa && !known_kernels(tree, options)))
-            return trace_after_all(tree, ray, options, environment, hit);
         mlrt_set_miss(options ? options->query : 0, hit);
         status = MLRT_OK;
         break;
@@ -282,9 +278,9 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
         status = trace_usual_ray(tree, ray, options, &lone, &environment, hit);
         break;
     default:
-        return trace_after_all(tree, ray, options, environment, hit);
+        return trace_after_all(tree, ray, options, &environment, hit);
     }
-    mlrt_leave_fp_environment(environment);
+    mlrt_leave_fp_environment(&environment);
     return status;
 }
 
@@ -514,9 +510,10 @@ MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_
     if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_FLOAT, "u", 0, &u);
     if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_FLOAT, "v", 0, &v);
     if (status != MLRT_OK) return status;
-    const uint64_t environment = mlrt_enter_fp_environment();
+    mlrt_fp_environment environment;
+    mlrt_enter_fp_environment(&environment);
     const struct mlrt_triangle given = mlrt_triangle_at(&tree->by_number, number);
     status = find_offset_point(&given, u, v, side, point);
-    mlrt_leave_fp_environment(environment);
+    mlrt_leave_fp_environment(&environment);
     return status;
 }

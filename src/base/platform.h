@@ -144,83 +144,80 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 #endif
 
 /*
- * The library computes with round to nearest, denormals kept, and exceptions masked. mlrt_enter_fp_environment sets
- * that and returns the caller's environment; mlrt_leave_fp_environment restores it. Every exported function that
- * computes with floats, and every thread's work, runs between the two: mostly as MLRT_COMPUTE, which is given a
+ * The library computes with round to nearest, denormals kept, and exceptions masked. mlrt_enter_fp_environment saves
+ * the caller's environment and sets that one; mlrt_leave_fp_environment restores what was saved. Every exported function
+ * that computes with floats, and every thread's work, runs between the two: mostly as MLRT_COMPUTE, which is given a
  * statement. This must be a call of a function that is not inlined, so that the compiler moves no arithmetic out of it.
  */
 #define MLRT_COMPUTE(statement)                                                                                        \
     do {                                                                                                               \
-        const uint64_t callers_environment = mlrt_enter_fp_environment();                                              \
+        mlrt_fp_environment callers_environment;                                                                       \
+        mlrt_enter_fp_environment(&callers_environment);                                                               \
         statement;                                                                                                     \
-        mlrt_leave_fp_environment(callers_environment);                                                                \
+        mlrt_leave_fp_environment(&callers_environment);                                                               \
     } while (0)
 
 #if MLRT_HAVE_SSE
 #include <xmmintrin.h>
 #define MLRT_WANTED_CONTROL 0x1F80u /* round to nearest, all exceptions masked; no flush to zero */
 #define MLRT_CONTROL_BITS   0xFFC0u /* the other bits are exception flags, and stay */
-/* The control register. To gcc two calls of _mm_getcsr have one result if nothing is stored between them. */
-MLRT_INLINE uint32_t mlrt_get_control(void)
+typedef uint32_t mlrt_fp_environment; /* the control register */
+/*
+ * Sets *saved to the environment. Returns 1 if it is that of the library, except for exception flags. Then the caller
+ * may compute at once: compilers do not move arithmetic before the branch on this result, since it may trap. To gcc two
+ * calls of _mm_getcsr have one result if nothing is stored between them.
+ */
+MLRT_INLINE int mlrt_has_usual_fp_environment(mlrt_fp_environment *saved)
 {
 #if defined(__GNUC__)
-    uint32_t control;
-    __asm__ volatile("stmxcsr %0" : "=m"(control));
-    return control;
+    __asm__ volatile("stmxcsr %0" : "=m"(*saved));
 #else
-    return _mm_getcsr();
+    *saved = _mm_getcsr();
 #endif
+    return (*saved & MLRT_CONTROL_BITS) == MLRT_WANTED_CONTROL;
 }
-MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
+MLRT_INLINE void mlrt_enter_fp_environment(mlrt_fp_environment *saved)
 {
-    const uint32_t saved = mlrt_get_control();
-    if (MLRT_UNLIKELY((saved & MLRT_CONTROL_BITS) != MLRT_WANTED_CONTROL)) _mm_setcsr(MLRT_WANTED_CONTROL);
-    return saved;
+    if (MLRT_UNLIKELY(!mlrt_has_usual_fp_environment(saved))) _mm_setcsr(MLRT_WANTED_CONTROL);
 }
 /*
  * The register is written even if no flag was raised: reading it would wait for all arithmetic before. That made calls
- * for one ray 3 to 8 % slower, on an AMD Zen 4.
+ * for one ray 3 to 8 % slower, on an AMD Zen 4. _mm_setcsr would copy what was saved.
  */
-MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
+MLRT_INLINE void mlrt_leave_fp_environment(const mlrt_fp_environment *saved)
 {
-    _mm_setcsr((uint32_t)saved);
+#if defined(__GNUC__)
+    __asm__ volatile("ldmxcsr %0" : : "m"(*saved) : "memory");
+#else
+    _mm_setcsr(*saved);
+#endif
 }
-/*
- * Sets *saved to the environment. Returns 1 if it is that of the library, except for exception flags. Then the caller
- * may compute at once: compilers do not move arithmetic before the branch on this result, since it may trap.
- */
-MLRT_INLINE int mlrt_has_usual_fp_environment(uint64_t *saved)
+#else
+#if defined(__aarch64__) && defined(__GNUC__)
+typedef uint64_t mlrt_fp_environment;
+MLRT_INLINE void mlrt_enter_fp_environment(mlrt_fp_environment *saved)
 {
-    *saved = mlrt_get_control();
-    return (*saved & MLRT_CONTROL_BITS) == MLRT_WANTED_CONTROL;
-}
-#elif defined(__aarch64__) && defined(__GNUC__)
-MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
-{
-    uint64_t saved;
-    __asm__ volatile("mrs %0, fpcr" : "=r"(saved));
+    __asm__ volatile("mrs %0, fpcr" : "=r"(*saved));
     __asm__ volatile("msr fpcr, %0" : : "r"((uint64_t)0) : "memory");
-    return saved;
 }
-MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
+MLRT_INLINE void mlrt_leave_fp_environment(const mlrt_fp_environment *saved)
 {
-    __asm__ volatile("msr fpcr, %0" : : "r"(saved) : "memory");
+    __asm__ volatile("msr fpcr, %0" : : "r"(*saved) : "memory");
 }
 #else
 #include <fenv.h>
-MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
+typedef int mlrt_fp_environment;
+MLRT_INLINE void mlrt_enter_fp_environment(mlrt_fp_environment *saved)
 {
-    uint64_t saved = (uint64_t)(uint32_t)fegetround();
+    *saved = fegetround();
     fesetround(FE_TONEAREST);
-    return saved;
 }
-MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
+MLRT_INLINE void mlrt_leave_fp_environment(const mlrt_fp_environment *saved)
 {
-    fesetround((int)(uint32_t)saved);
+    fesetround(*saved);
 }
 #endif
-#if !MLRT_HAVE_SSE
-MLRT_INLINE int mlrt_has_usual_fp_environment(uint64_t *saved)
+MLRT_INLINE int mlrt_has_usual_fp_environment(mlrt_fp_environment *saved)
 {
     (void)saved;
     return 0;

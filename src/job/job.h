@@ -86,11 +86,11 @@ struct mlrt_known_triangles {
 
 /* How a worker looks up in the middle of an item (stop.h). */
 struct mlrt_watch {
-    struct mlrt_progress *progress; /* NULL = the host has no progress function */
-    uint64_t environment;           /* floating-point environment of the caller */
-    double pixels_told;             /* pixels of the current item that progress has counted */
-    uint32_t slow_steps;            /* counts calls of mlrt_is_stopped_in_step */
-    int stopped;                    /* the call is to end */
+    struct mlrt_progress *progress;  /* NULL = the host has no progress function */
+    mlrt_fp_environment environment; /* that of the caller */
+    double pixels_told;              /* pixels of the current item that progress has counted */
+    uint32_t slow_steps;             /* counts calls of mlrt_is_stopped_in_step */
+    int stopped;                     /* the call is to end */
 };
 
 /* 1 if there are so few rays that large tables of workers would not pay. */

@@ -11,9 +11,9 @@ int mlrt_is_stopped(struct mlrt_worker *worker, double pixels)
 {
     if (!worker->watch.progress || worker->watch.stopped) return worker->watch.stopped;
     worker->watch.pixels_told += pixels;
-    mlrt_leave_fp_environment(worker->watch.environment);
+    mlrt_leave_fp_environment(&worker->watch.environment);
     const int stopped = mlrt_advance(worker->watch.progress, pixels);
-    worker->watch.environment = mlrt_enter_fp_environment();
+    mlrt_enter_fp_environment(&worker->watch.environment);
     worker->watch.stopped = stopped;
     return stopped;
 }

@@ -568,12 +568,13 @@ static int32_t run_part(void *work, uint32_t item, uint32_t worker)
     struct build *build = work;
     struct part *part = part_at(build, build->parts.first + item);
     if (part->build == NULL) return 0;
-    const uint64_t environment = mlrt_enter_fp_environment();
+    mlrt_fp_environment environment;
+    mlrt_enter_fp_environment(&environment);
     const double share = (double)part->cell.reference_limit / (double)part_at(build, 0)->cell.reference_limit;
     part->built.node_limit = (uint32_t)(PART_NODE_LIMIT * share);
     part->scratch = (struct array *)build->scratch.elements + worker;
     const int done = part->lower != 0 ? cut_part(part) : build_part(part);
-    mlrt_leave_fp_environment(environment);
+    mlrt_leave_fp_environment(&environment);
     return done ? 0 : MLRT_ERROR_OUT_OF_MEMORY;
 }
 

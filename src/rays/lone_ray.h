@@ -4,7 +4,9 @@
 #define MLRT_RAYS_LONE_RAY_H
 
 #include <math.h>
+#include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "base/platform.h"
 #include "exact/segment.h"
@@ -40,12 +42,12 @@ static inline int mlrt_get_lone_segment(const struct mlrt_lone_ray *ray, struct 
 /* Sets the fields of a hit that the query writes, for a miss. */
 static inline void mlrt_set_miss(int any, mlrt_hit *hit)
 {
-    hit->occluded = 0;
-    if (any) return;
-    hit->t = INFINITY;
-    hit->u = hit->v = 0;
-    hit->mesh = hit->triangle = MLRT_NONE;
-    hit->facing = 0;
+    static const mlrt_hit miss = {.t = INFINITY, .mesh = MLRT_NONE, .triangle = MLRT_NONE};
+    if (any) {
+        hit->occluded = 0;
+    } else {
+        memcpy((unsigned char *)hit + offsetof(mlrt_hit, t), &miss.t, sizeof miss - offsetof(mlrt_hit, t));
+    }
 }
 
 #endif

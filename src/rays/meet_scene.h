@@ -16,12 +16,6 @@
 #include "rays/packet.h"
 #include "simd/quad.h"
 
-/* Loads three floats of a struct that has a readable float before them. */
-MLRT_INLINE f4 mlrt_load_three(const float numbers[3])
-{
-    return f4_rest(f4_load_any((const unsigned char *)numbers - sizeof *numbers));
-}
-
 /* What is known of a ray before it is traced. */
 enum mlrt_lone_ray_kind {
     MLRT_LONE_RAY_MISSES,      /* it can hit nothing (rule R1, exact/segment.h), or passes the box of the scene */
@@ -31,7 +25,7 @@ enum mlrt_lone_ray_kind {
 
 /*
  * Compares a ray with the box of all triangles, and sets the numbers of *ray if it may hit one; of the vectors as given
- * it sets nothing.
+ * it sets nothing. A float that may be read must follow the box: it is loaded, and has no meaning.
  *
  * Along each axis the ray is between the planes of the box from t = near to far, each with three roundings, and 2^-149
  * where it underflows. If the ray meets the box, the true near is at most the true far, so as computed
@@ -45,20 +39,23 @@ MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const struct mlrt_box *bo
                                                        struct mlrt_lone_ray *ray)
 {
     const f4 origin = f4_three(given_origin);
-    const f4 direction = f4_add(f4_three(given_direction), f4_set1(0)); /* -0 becomes 0 */
-    if (!f4_are_within(origin, direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX) &&
-        (f4_zeros_or_within(origin, MLRT_SAFE_MIN, MLRT_SAFE_MAX) &
-         f4_zeros_or_within(direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) != 15) {
-        return MLRT_LONE_RAY_NOT_CARRIED;
+    f4 direction = f4_three(given_direction);
+    if (!f4_are_within(origin, direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) {
+        if ((f4_zeros_or_within(origin, MLRT_SAFE_MIN, MLRT_SAFE_MAX) &
+             f4_zeros_or_within(direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) != 15) {
+            return MLRT_LONE_RAY_NOT_CARRIED;
+        }
+        if (f4_zeros(direction) == 15) return MLRT_LONE_RAY_MISSES;
+        direction = f4_add(direction, f4_set1(0)); /* -0 becomes 0 */
     }
     const f4 reciprocal = f4_div(f4_set1(1), direction);
-    const f4 to_lo = f4_mul(f4_sub(mlrt_load_three(box->lo), origin), reciprocal);
-    const f4 to_hi = f4_mul(f4_sub(mlrt_load_three(box->hi), origin), reciprocal);
-    const f4 near = f4_max(f4_min(to_hi, to_lo), f4_set1(given_t_min));
-    const f4 far = f4_min(f4_max(to_lo, to_hi), f4_set1(t_max < 0x1p126f ? t_max : 0x1p126f));
-    if (f4_hmax(near) > f4_hmin(far) * (1 + 2 * RECIPROCAL_SLACK) + 0x1p-126f) return MLRT_LONE_RAY_MISSES;
+    const f4 to_lo = f4_mul(f4_sub(f4_load_any(box->lo), origin), reciprocal);
+    const f4 to_hi = f4_mul(f4_sub(f4_load_any(box->hi), origin), reciprocal);
+    const float near = f4_greatest_of(f4_min(to_hi, to_lo), given_t_min);
+    const float far = f4_least_of(f4_max(to_lo, to_hi), t_max < 0x1p126f ? t_max : 0x1p126f);
+    if (near > far * (1 + 2 * RECIPROCAL_SLACK) + 0x1p-126f) return MLRT_LONE_RAY_MISSES;
     const float t_min = given_t_min < 0 ? 0 : given_t_min;
-    if (!(t_min < t_max) || f4_zeros(direction) == 15) return MLRT_LONE_RAY_MISSES;
+    if (!(t_min < t_max)) return MLRT_LONE_RAY_MISSES;
     f4_store(ray->origin, origin);
     f4_store(ray->direction, direction);
     f4_store(ray->reciprocal, reciprocal);

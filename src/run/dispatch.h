@@ -5,6 +5,7 @@
 
 #include <stddef.h>
 
+#include "base/platform.h"
 #include "job/structure.h"
 
 /*
@@ -17,15 +18,21 @@ const struct mlrt_kernels *mlrt_select_kernels(const struct mlrt_structure *stru
 /* The widest instruction set of this machine; 0 = not looked up yet. */
 extern int32_t mlrt_known_isa;
 
+/* Is it known that calls may ask for this MLRT_ISA_*? If not, mlrt_select_kernels has to say. */
+static inline int mlrt_is_known_isa(int32_t isa)
+{
+    return MLRT_LIKELY(isa == MLRT_ISA_AUTO) ||
+           (isa >= MLRT_ISA_NARROWEST && isa <= __atomic_load_n(&mlrt_known_isa, __ATOMIC_RELAXED));
+}
+
 /*
- * The same for a method with kernels in all instruction sets, without counting, as far as it is known at once: NULL if
- * mlrt_select_kernels has to say.
+ * For one that is known, the same for a method with kernels in all instruction sets, without counting, as far as it is
+ * known at once: NULL if mlrt_select_kernels has to say.
  */
 static inline const struct mlrt_kernels *mlrt_known_kernels(const struct mlrt_structure *structure, int32_t isa)
 {
-    const int32_t widest = __atomic_load_n(&mlrt_known_isa, __ATOMIC_RELAXED);
-    if (isa == MLRT_ISA_AUTO) isa = widest;
-    return (uint32_t)isa <= (uint32_t)widest ? structure->tracer.kernels[isa] : NULL;
+    if (isa == MLRT_ISA_AUTO) isa = __atomic_load_n(&mlrt_known_isa, __ATOMIC_RELAXED);
+    return structure->tracer.kernels[isa];
 }
 
 /* The kernels for the widest instruction set of this machine. */

@@ -68,9 +68,9 @@ static int32_t run_item(void *work, uint32_t item, uint32_t number)
         mlrt_cut_piece(&whole, item % run->column_count * size, item / run->column_count * size, size);
 
     worker->watch.pixels_told = 0;
-    worker->watch.environment = mlrt_enter_fp_environment();
+    mlrt_enter_fp_environment(&worker->watch.environment);
     trace_item(run, worker, &area);
-    mlrt_leave_fp_environment(worker->watch.environment);
+    mlrt_leave_fp_environment(&worker->watch.environment);
     if (worker->watch.stopped) return 1;
     if (job->callback.function) {
         mlrt_tile tile;

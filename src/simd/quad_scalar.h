@@ -53,12 +53,12 @@ MLRT_INLINE unsigned f4_zeros_or_within(f4 a, float lo, float hi)
     for (int i = 0; i < 4; ++i) bits |= (unsigned)(lo <= fabsf(a.x[i]) && fabsf(a.x[i]) <= hi) << i;
     return bits;
 }
-/* Are the magnitudes of all lanes of a and b lo .. hi? Both are positive. */
+/* Are the magnitudes of all lanes of a and b at least lo, and less than hi? Both are powers of 2. */
 MLRT_INLINE int f4_are_within(f4 a, f4 b, float lo, float hi)
 {
     int outside = 0;
     for (int i = 0; i < 4; ++i) {
-        outside |= !(lo <= fabsf(a.x[i]) && fabsf(a.x[i]) <= hi) | !(lo <= fabsf(b.x[i]) && fabsf(b.x[i]) <= hi);
+        outside |= !(lo <= fabsf(a.x[i]) && fabsf(a.x[i]) < hi) | !(lo <= fabsf(b.x[i]) && fabsf(b.x[i]) < hi);
     }
     return !outside;
 }
@@ -126,6 +126,17 @@ MLRT_INLINE f4 f4_sums(f4 a, f4 b, f4 c)
     return (f4){{a.x[0] + a.x[1] + a.x[2], b.x[0] + b.x[1] + b.x[2], sum, sum}};
 }
 MLRT_INLINE float f4_last(f4 a) { return a.x[3]; }
+/* the greatest, or the least, of b and those of the lanes 0 to 2 of a that are not NaN */
+MLRT_INLINE float f4_greatest_of(f4 a, float b)
+{
+    for (int i = 0; i < 3; ++i) b = a.x[i] > b ? a.x[i] : b;
+    return b;
+}
+MLRT_INLINE float f4_least_of(f4 a, float b)
+{
+    for (int i = 0; i < 3; ++i) b = a.x[i] < b ? a.x[i] : b;
+    return b;
+}
 MLRT_INLINE float f4_hmin(f4 a)
 {
     const float b = a.x[0] < a.x[2] ? a.x[0] : a.x[2], c = a.x[1] < a.x[3] ? a.x[1] : a.x[3];

@@ -32,19 +32,19 @@ MLRT_INLINE unsigned f4_zeros_or_within(f4 a, float lo, float hi)
 }
 MLRT_INLINE int f4_are_within(f4 a, f4 b, float lo, float hi)
 {
-    int32_t least, greatest; /* without signs, magnitudes are in order as unsigned integers: here moved by 2^31 */
+    int32_t least, greatest; /* upper halves, without signs, are in order: from hi on, the last sum is at least 2^15 */
     memcpy(&least, &lo, sizeof least);
     memcpy(&greatest, &hi, sizeof greatest);
-    const __m128i start = _mm_set1_epi32(2 * least - INT32_MAX - 1);
-    const __m128i end = _mm_set1_epi32(2 * (greatest - least) - INT32_MAX);
-    const __m128i from_a = _mm_sub_epi32(_mm_slli_epi32(_mm_castps_si128(a), 1), start);
-    const __m128i from_b = _mm_sub_epi32(_mm_slli_epi32(_mm_castps_si128(b), 1), start);
-    return _mm_movemask_epi8(_mm_and_si128(_mm_cmpgt_epi32(end, from_a), _mm_cmpgt_epi32(end, from_b))) == 0xFFFF;
+    const __m128i up_a = _mm_srai_epi32(_mm_castps_si128(a), 16), up_b = _mm_srai_epi32(_mm_castps_si128(b), 16);
+    const __m128i up = _mm_slli_epi16(_mm_packs_epi32(up_a, up_b), 1);
+    const __m128i past_least = _mm_sub_epi16(up, _mm_set1_epi16((int16_t)(least >> 15)));
+    const __m128i to_end = _mm_set1_epi16((int16_t)(INT16_MAX + 1 - ((greatest - least) >> 15)));
+    return (_mm_movemask_epi8(_mm_adds_epu16(past_least, to_end)) & 0xAAAA) == 0;
 }
 MLRT_INLINE f4 f4_three(const float *p)
 {
     const __m128 x = _mm_load_ss(p), y = _mm_load_ss(p + 1), z = _mm_load_ss(p + 2);
-    return _mm_movelh_ps(_mm_unpacklo_ps(x, y), _mm_unpacklo_ps(z, z));
+    return _mm_shuffle_ps(_mm_unpacklo_ps(x, y), z, _MM_SHUFFLE(0, 0, 1, 0));
 }
 MLRT_INLINE f4 f4_rest(f4 a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 2, 1)); }
 MLRT_INLINE f4 f4_by_sign(f4 sign, f4 a, f4 b)
@@ -78,6 +78,22 @@ MLRT_INLINE f4 f4_sums(f4 a, f4 b, f4 c)
     return _mm_add_ps(_mm_add_ps(x, y), z);
 }
 MLRT_INLINE float f4_last(f4 a) { return _mm_cvtss_f32(_mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 3, 3))); }
+MLRT_INLINE float f4_second(f4 a) { return _mm_cvtss_f32(_mm_castsi128_ps(_mm_shuffle_epi32(_mm_castps_si128(a), 1))); }
+MLRT_INLINE float f4_third(f4 a) { return _mm_cvtss_f32(_mm_castsi128_ps(_mm_shuffle_epi32(_mm_castps_si128(a), 2))); }
+MLRT_INLINE float f4_greatest_of(f4 a, float b)
+{
+    const float x = _mm_cvtss_f32(a), y = f4_second(a), z = f4_third(a);
+    b = y > b ? y : b;
+    b = z > b ? z : b;
+    return x > b ? x : b;
+}
+MLRT_INLINE float f4_least_of(f4 a, float b)
+{
+    const float x = _mm_cvtss_f32(a), y = f4_second(a), z = f4_third(a);
+    b = y < b ? y : b;
+    b = z < b ? z : b;
+    return x < b ? x : b;
+}
 MLRT_INLINE float f4_hmin(f4 a)
 {
     a = _mm_min_ps(a, _mm_movehl_ps(a, a));

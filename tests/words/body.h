@@ -154,6 +154,12 @@ static void run_quad(const struct word_input *in, int v, struct word_output *out
     f4_store_low(out->values[WORD_QUAD_STORE_HALVES] + v, b);
     f4_store_high(out->values[WORD_QUAD_STORE_HALVES] + v + 2, a);
     out->values[WORD_QUAD_LAST][v] = f4_last(a);
+    out->values[WORD_QUAD_LEAST_OF][v] = f4_least_of(a, in->b[v]) + 0.0f; /* -0 or 0, as below */
+    out->values[WORD_QUAD_GREATEST_OF][v] = f4_greatest_of(a, in->b[v]) + 0.0f;
+    for (int i = v; i < v + 4; ++i) {
+        out->integers[WORD_QUAD_ARE_WITHIN][i] =
+            (uint32_t)f4_are_within(f4_set1(in->a[i]), f4_set1(in->b[i]), 0x1p-60f, 0x1p60f);
+    }
     if (in->has_order) {
         out->values[WORD_QUAD_HMIN][v] = f4_hmin(a) + 0.0f; /* of -0 and 0 either may be the least */
         out->values[WORD_QUAD_HMAX][v] = f4_hmax(a) + 0.0f;
