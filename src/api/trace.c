@@ -232,13 +232,10 @@ static MLRT_NOINLINE int32_t trace_skipping_ray(const mlrt_tree *tree, const mlr
     return kernels->trace_ray(tree, lone, hit);
 }
 
-/*
- * Traces a ray of a usual call that meets the box of the scene. The caller restores *environment. Each call from here is
- * the last thing that is done, so no registers are kept.
- */
-static MLRT_NOINLINE int32_t trace_usual_ray(const mlrt_tree *tree, const mlrt_ray *ray,
-                                             const mlrt_trace_options *options, struct mlrt_lone_ray *lone,
-                                             const mlrt_fp_environment *environment, mlrt_hit *hit)
+/* Traces a ray of a usual call that meets the box of the scene. The caller restores *environment. */
+MLRT_INLINE int32_t trace_usual_ray(const mlrt_tree *tree, struct mlrt_lone_ray *lone, mlrt_hit *hit,
+                                             const mlrt_ray *ray, const mlrt_trace_options *options,
+                                             const mlrt_fp_environment *environment)
 {
     const struct mlrt_kernels *kernels =
         mlrt_known_kernels(tree->structure, options ? options->isa : MLRT_ISA_AUTO);
@@ -275,7 +272,7 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
         status = MLRT_OK;
         break;
     case MLRT_LONE_RAY_MAY_HIT:
-        status = trace_usual_ray(tree, ray, options, &lone, &environment, hit);
+        status = trace_usual_ray(tree, &lone, hit, ray, options, &environment);
         break;
     default:
         return trace_after_all(tree, ray, options, &environment, hit);

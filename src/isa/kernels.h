@@ -18,7 +18,8 @@
 #include "trace/levels.h"
 #include "trace/one_ray.h"
 
-const struct mlrt_kernels BOX_KERNELS = {.trace_area = trace_area, .trace_ray = trace_one_ray};
+const struct mlrt_kernels BOX_KERNELS = {
+    .trace_area = trace_area, .trace_ray = trace_one_ray, .trace_ray_in_units = trace_one_ray_in_units};
 #endif
 
 #ifdef KDTREE_KERNELS

@@ -29,7 +29,7 @@ static const struct mlrt_kernels *kernels_of(const mlrt_tree *tree, const struct
 void mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
     if (MLRT_UNLIKELY(tree->bvh.unit != 1)) {
-        if (kernels_of(tree, ray)->trace_ray(tree, ray, hit) != MLRT_OK) mlrt_trace_by_ray(tree, ray, NULL, hit);
+        if (kernels_of(tree, ray)->trace_ray_in_units(tree, ray, hit) != MLRT_OK) mlrt_trace_by_ray(tree, ray, NULL, hit);
         return;
     }
     switch (

@@ -12,20 +12,6 @@ struct mlrt_tree *mlrt_allocate_tree(const struct mlrt_structure *structure, con
     return tree;
 }
 
-uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
-{
-    uint32_t below = 0, above = tree->meshes.count;
-    while (above - below > 1) {
-        uint32_t middle = below + (above - below) / 2;
-        if (tree->meshes.first[middle] <= number) {
-            below = middle;
-        } else {
-            above = middle;
-        }
-    }
-    return below;
-}
-
 int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number)
 {
     uint64_t counts[2] = {0, 0};

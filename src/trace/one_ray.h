@@ -11,21 +11,19 @@
 #include "trace/single_ray.h"
 
 /*
- * Traces a ray through boxes, as lane 0 of a packet, and sets the hit. `scaled` has the packet in units, in which the
- * numbers of the ray are too; it is NULL if the unit is 1. The worker is one of this call, of which only the fields set
- * here are used, with room for one plane and one pair of triangles; fill_lone_packet (units.h) sets others where they
- * are needed.
+ * Traces a ray, whose numbers are in units, through boxes: as lane 0 of *packet, which is that of `scaled`, if the unit
+ * is not 1. Returns where the corners of its hit lie. The worker is one of this call, of which only the fields set here
+ * are used, with room for one plane and one pair of triangles; fill_lone_packet (units.h) sets others where they are
+ * needed.
  */
-static MLRT_NOINLINE int32_t trace_lone_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
-                                            struct mlrt_scaled_packet *scaled, mlrt_hit *hit)
+MLRT_INLINE struct mlrt_corners trace_as_lane(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
+                                              struct mlrt_scaled_packet *scaled, struct mlrt_packet *packet)
 {
     const struct ray_rows rows = {ray->origin, ray->direction, ray->reciprocal, 1, 1};
-    struct mlrt_packet own, *packet = scaled ? &scaled->rays : &own;
     struct mlrt_known_plane plane;
     struct mlrt_triangle_pair pair;
     struct mlrt_worker worker;
     struct mlrt_job job;
-    struct mlrt_hit_report report;
     job.tree = tree;
     job.any = ray->any;
     packet->t_min[0] = ray->t_min;
@@ -40,14 +38,25 @@ static MLRT_NOINLINE int32_t trace_lone_ray(const struct mlrt_tree *tree, const 
     worker.lone = ray;
     worker.scaled = scaled;
     CLEAR_COUNTS(&worker);
-    const struct mlrt_corners corners = trace_single(&job, &rows, 0, 0, packet, &worker);
-    const uint32_t number = packet->nearest.triangle[0];
+    return trace_single(&job, &rows, 0, 0, packet, &worker);
+}
+
+/* The function `trace_ray` of job/job.h. */
+static int32_t trace_one_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
+{
+    struct mlrt_packet packet;
+    struct mlrt_hit_report report;
+    if (MLRT_UNLIKELY(tree->bvh.node_count == 0)) {
+        mlrt_set_result(tree, ray, MLRT_NONE, hit);
+        return MLRT_OK;
+    }
+    const struct mlrt_corners corners = trace_as_lane(tree, ray, NULL, &packet);
+    const uint32_t number = packet.nearest.triangle[0];
     if (ray->any) {
         hit->occluded = number != MLRT_NONE;
         return MLRT_OK;
     }
-    if (number == MLRT_NONE || scaled ||
-        MLRT_UNLIKELY(!report_one_ray(&corners, ray->origin, ray->direction, &report))) {
+    if (number == MLRT_NONE || MLRT_UNLIKELY(!report_one_ray(&corners, ray->origin, ray->direction, &report))) {
         mlrt_set_result(tree, ray, number, hit);
         return MLRT_OK;
     }
@@ -60,9 +69,8 @@ static MLRT_NOINLINE int32_t trace_lone_ray(const struct mlrt_tree *tree, const 
     return MLRT_OK;
 }
 
-/* Traces a ray through boxes whose unit is not 1. Returns another status if float does not carry it into units. */
-static MLRT_NOINLINE int32_t trace_one_in_units(const struct mlrt_tree *tree, const struct mlrt_lone_ray *given,
-                                                mlrt_hit *hit)
+/* The function `trace_ray_in_units` of job/job.h. */
+static int32_t trace_one_ray_in_units(const struct mlrt_tree *tree, const struct mlrt_lone_ray *given, mlrt_hit *hit)
 {
     struct mlrt_ray_segment segment;
     struct mlrt_packet packet;
@@ -92,14 +100,9 @@ static MLRT_NOINLINE int32_t trace_one_in_units(const struct mlrt_tree *tree, co
     }
     ray.t_min = scaled.rays.t_min[0];
     ray.t_max = scaled.rays.nearest.hi[0];
-    return trace_lone_ray(tree, &ray, &scaled, hit);
-}
-
-/* The function `trace_ray` of job/job.h. */
-static int32_t trace_one_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
-{
-    if (MLRT_UNLIKELY(tree->bvh.unit != 1 || tree->bvh.node_count == 0)) return trace_one_in_units(tree, ray, hit);
-    return trace_lone_ray(tree, ray, NULL, hit);
+    (void)trace_as_lane(tree, &ray, &scaled, &scaled.rays);
+    mlrt_set_result(tree, given, scaled.rays.nearest.triangle[0], hit);
+    return MLRT_OK;
 }
 
 #endif
