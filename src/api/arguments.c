@@ -18,6 +18,7 @@ int32_t mlrt_take_options(const mlrt_trace_options *given, struct mlrt_call *cal
     int32_t status = MLRT_OK;
     memset(&call->run, 0, sizeof call->run);
     call->options = &none;
+    call->is_plain = 1;
     if (!given) return MLRT_OK;
     if (MLRT_LIKELY(given->struct_size == sizeof *given && mlrt_are_plain(given) &&
                     (uint32_t)given->isa <= MLRT_ISA_AVX512)) {
@@ -25,6 +26,7 @@ int32_t mlrt_take_options(const mlrt_trace_options *given, struct mlrt_call *cal
         call->run.pool = given->pool;
         return MLRT_OK;
     }
+    call->is_plain = 0;
     const mlrt_trace_options *options =
         mlrt_see_struct(MLRT_STRUCT_TRACE_OPTIONS, "options", given, &call->own, &status);
     if (!options) return status;

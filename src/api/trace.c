@@ -28,10 +28,10 @@
 #define DEFAULT_SPLIT_FACTOR 16
 
 /* Sets *size to `given`, or to `standard` if that is 0. A power of two from 4 to `most` is right. Returns a status. */
-static int32_t resolve_size(const char *field, uint32_t given, uint32_t standard, uint32_t most, uint32_t *size)
+MLRT_INLINE int32_t resolve_size(const char *field, uint32_t given, uint32_t standard, uint32_t most, uint32_t *size)
 {
     *size = given ? given : standard;
-    if (given == 0 || (!(given & (given - 1)) && given >= 4 && given <= most)) return MLRT_OK;
+    if (MLRT_LIKELY(given == 0) || (!(given & (given - 1)) && given >= 4 && given <= most)) return MLRT_OK;
     return mlrt_fail(MLRT_ERROR_ARGUMENT, "options.%s: %lu is not a power of two from 4 to %lu", field,
                      (unsigned long)given, (unsigned long)most);
 }
@@ -99,6 +99,33 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
 
 /* ---- rays ---- */
 
+/* Sets the fields of a job for which plain options matter to few rays. Returns 0 if the kernels are not known at once. */
+static int set_plain_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
+{
+    const struct mlrt_structure *structure = tree->structure;
+    job->tree = tree;
+    job->method = structure->tracer.method;
+    job->any = options->query == MLRT_QUERY_ANY;
+    mlrt_set_masks(tree, options->mask, structure->tracer.filters_leaves, &job->source);
+    job->kernels = mlrt_is_known_isa(options->isa) ? mlrt_known_kernels(structure, options->isa) : NULL;
+    return job->kernels != NULL;
+}
+
+/* Runs a job for a list of rays, whose source is set. If `any`, any hit will do. Returns a status. */
+static int32_t run_list(const mlrt_tree *tree, const struct mlrt_call *call, int any, const mlrt_hits *hits,
+                        struct mlrt_job *job)
+{
+    int32_t status = MLRT_OK;
+    const int are_set = call->is_plain && set_plain_options(tree, call->options, job);
+    if (!are_set) status = resolve_options(tree, call->options, job);
+    job->any |= any;
+    if (status != MLRT_OK || mlrt_trace_few_rays(job, &call->run, hits)) return status;
+    if (are_set) status = resolve_options(tree, call->options, job);
+    job->any |= any;
+    mlrt_make_sink(hits, job->source.width, 1, &job->frame);
+    return mlrt_note_status(mlrt_run_job(job, &call->run));
+}
+
 MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                    const mlrt_hits *hits)
 {
@@ -113,11 +140,8 @@ MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays,
     if (status == MLRT_OK) status = mlrt_check_hits("hits", hits, call.options, 0, !rays->count || call.run.counters);
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
     mlrt_make_ray_source(tree, rays, &job.source);
-    if (!rays->row_length) mlrt_set_rows(mlrt_find_row_length(&job.source), &job.source);
-    mlrt_make_sink(hits, job.source.width, 1, &job.frame);
-    status = resolve_options(tree, call.options, &job);
-    if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
-    return mlrt_end_traced(&call, status);
+    if (!rays->row_length && rays->count > MLRT_PACKET_RAYS) mlrt_set_rows(mlrt_find_row_length(&job.source), &job.source);
+    return mlrt_end_traced(&call, run_list(tree, &call, 0, hits, &job));
 }
 
 /* The t_max of a ray. Its bits are looked at, as the caller's floating-point environment may take a denormal for 0. */
@@ -421,11 +445,7 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
     struct mlrt_job job;
     const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = *occluded};
     mlrt_make_light_source(tree, points, &own_light, &job.source);
-    mlrt_make_sink(&hits, job.source.width, 1, &job.frame);
-    status = resolve_options(tree, call.options, &job);
-    job.any = 1;
-    if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
-    return mlrt_end_traced(&call, status);
+    return mlrt_end_traced(&call, run_list(tree, &call, 1, &hits, &job));
 }
 
 /* Sets *number to that of a triangle in the tree. Returns a status: there must be one. */

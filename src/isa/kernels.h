@@ -19,13 +19,13 @@
 #include "trace/one_ray.h"
 
 const struct mlrt_kernels BOX_KERNELS = {
-    .trace_area = trace_area, .trace_ray = trace_one_ray, .trace_ray_in_units = trace_one_ray_in_units};
+    .width = VW, .trace_area = trace_area, .trace_ray = trace_one_ray, .trace_ray_in_units = trace_one_ray_in_units};
 #endif
 
 #ifdef KDTREE_KERNELS
 #include "mlrta/levels.h"
 
-const struct mlrt_kernels KDTREE_KERNELS = {.trace_area = trace_kdtree_area};
+const struct mlrt_kernels KDTREE_KERNELS = {.width = VW, .trace_area = trace_kdtree_area};
 #endif
 
 #endif

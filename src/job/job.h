@@ -133,6 +133,7 @@ struct mlrt_worker {
 
 /* The functions of an instruction set, for one structure. They are all that is called through a table. */
 struct mlrt_kernels {
+    uint32_t width; /* floats of a vector */
     /* Traces the rays of a rectangle that starts at multiples of 4, and writes their results to frame and tile. */
     void (*trace_area)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area);
     /*

@@ -46,13 +46,14 @@ static int find_lowest_channel(const struct mlrt_sink *sink, uint32_t channels)
 }
 
 /*
- * Makes a group that begins with the lowest channel of the set, and returns its channels. They fit into one stride, so
- * that the structs of neighbouring pixels do not overlap.
+ * Makes a group of channels of the set, and returns them: the first one if it is packed, or else those that begin with
+ * the lowest. They fit into one stride, so that the structs of neighbouring pixels do not overlap.
  */
 static uint32_t make_group(const struct mlrt_sink *sink, uint32_t channels, struct mlrt_sink_group *group)
 {
     uint32_t taken = 0;
-    int c = find_lowest_channel(sink, channels);
+    int c = (int)mlrt_lowest_bit(channels);
+    if (sink->channel[c].stride > 4) c = find_lowest_channel(sink, channels);
     group->image = sink->channel[c];
     group->count = 0;
     memset(group->channel, 0, sizeof group->channel);
@@ -84,14 +85,24 @@ void mlrt_group_channels(struct mlrt_sink *sink)
     }
 }
 
+/* The array of a channel: they lie in the order of channels. */
+static const mlrt_array *array_of(const mlrt_hits *hits, enum mlrt_channel c)
+{
+    return (const mlrt_array *)(const void *)((const unsigned char *)hits + offsetof(mlrt_hits, t)) + c;
+}
+
+static size_t stride_of(const mlrt_array *array, enum mlrt_channel c)
+{
+    return array->stride ? array->stride : mlrt_channel_size(c);
+}
+
 void mlrt_make_sink(const mlrt_hits *hits, uint32_t width, int packed_rows, struct mlrt_sink *sink)
 {
-    const unsigned char *const arrays = (const unsigned char *)hits + offsetof(mlrt_hits, t);
-    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) { /* the arrays lie in the order of channels */
-        const mlrt_array *array = (const mlrt_array *)(const void *)(arrays + c * sizeof *array);
+    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
+        const mlrt_array *array = array_of(hits, (enum mlrt_channel)c);
         sink->channel[c].data = array->data;
         if (!array->data) continue;
-        const size_t stride = array->stride ? array->stride : mlrt_channel_size((enum mlrt_channel)c);
+        const size_t stride = stride_of(array, (enum mlrt_channel)c);
         const size_t row_stride = packed_rows || !array->row_stride ? stride * width : array->row_stride;
         sink->channel[c] = (struct mlrt_image){array->data, stride, row_stride};
     }
@@ -141,20 +152,21 @@ void mlrt_set_result(const struct mlrt_tree *tree, const struct mlrt_lone_ray *r
     hit->occluded = number != MLRT_NONE;
 }
 
-void mlrt_write_hits(const mlrt_hit *hits, size_t first, uint32_t count, const struct mlrt_sink *sink)
+void mlrt_write_hits(const mlrt_hit *hits, size_t first, uint32_t count, const mlrt_hits *list)
 {
-    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
-        const size_t stride = sink->channel[c].stride;
-        if (!sink->channel[c].data) continue;
-        unsigned char *at = sink->channel[c].data + first * stride;
-        for (uint32_t i = 0; i < count; ++i, at += stride) {
-            if (c == MLRT_CHANNEL_OCCLUDED) {
-                *at = (uint8_t)hits[i].occluded;
-            } else {
-                memcpy(at, (const unsigned char *)&hits[i].t + 4 * c, 4);
-            }
-        }
+    const mlrt_hit *const end = hits + count;
+    for (int c = 0; c < MLRT_CHANNEL_OCCLUDED; ++c) {
+        const mlrt_array *array = array_of(list, (enum mlrt_channel)c);
+        if (!array->data) continue;
+        const size_t stride = stride_of(array, (enum mlrt_channel)c);
+        unsigned char *at = (unsigned char *)array->data + first * stride;
+        for (const mlrt_hit *hit = hits; hit < end; ++hit, at += stride)
+            memcpy(at, (const unsigned char *)&hit->t + 4 * c, 4);
     }
+    if (!list->occluded.data) return;
+    const size_t stride = stride_of(&list->occluded, MLRT_CHANNEL_OCCLUDED);
+    unsigned char *at = (unsigned char *)list->occluded.data + first * stride;
+    for (const mlrt_hit *hit = hits; hit < end; ++hit, at += stride) *at = (uint8_t)hit->occluded;
 }
 
 void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_ray_segment *ray)
@@ -202,8 +214,9 @@ void mlrt_report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *pa
 
 static size_t lane_offset(uint32_t lane, const struct mlrt_image *image)
 {
-    const uint32_t column = (lane & 1) | (lane >> 1 & 2), row = (lane >> 1 & 1) | (lane >> 2 & 2);
-    return row * image->row_stride + column * image->stride;
+    static const uint8_t columns[MLRT_PACKET_RAYS] = {0, 1, 0, 1, 2, 3, 2, 3, 0, 1, 0, 1, 2, 3, 2, 3};
+    static const uint8_t rows[MLRT_PACKET_RAYS] = {0, 0, 1, 1, 0, 0, 1, 1, 2, 2, 3, 3, 2, 2, 3, 3};
+    return rows[lane] * image->row_stride + columns[lane] * image->stride;
 }
 
 /* The array with the values of channel i of a group. */
@@ -293,10 +306,12 @@ static MLRT_NOINLINE void write_structs(const struct mlrt_packet_values *values,
 static MLRT_NOINLINE void write_lanes(const struct mlrt_packet_values *values, uint32_t lanes,
                                       const struct mlrt_sink_group *group, unsigned char *corner)
 {
-    for (; lanes; lanes &= lanes - 1) {
-        const uint32_t lane = mlrt_lowest_bit(lanes);
-        unsigned char *at = corner + lane_offset(lane, &group->image);
-        for (uint32_t i = 0; i < group->count; ++i) memcpy(at + 4 * i, values_of(values, group, i) + 4 * lane, 4);
+    for (uint32_t i = 0; i < group->count; ++i, corner += 4) {
+        const unsigned char *from = values_of(values, group, i);
+        for (uint32_t left = lanes; left; left &= left - 1) {
+            const uint32_t lane = mlrt_lowest_bit(left);
+            memcpy(corner + lane_offset(lane, &group->image), from + 4 * lane, 4);
+        }
     }
 }
 

@@ -142,7 +142,7 @@ void mlrt_set_hit(const struct mlrt_tree *tree, const struct mlrt_ray_segment *r
 /* Sets the fields of a hit that a ray's query writes, for triangle `number`; a miss for MLRT_NONE. */
 void mlrt_set_result(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit);
 
-/* Writes `count` hits to all channels of a list, from element `first` on. */
-void mlrt_write_hits(const mlrt_hit *hits, size_t first, uint32_t count, const struct mlrt_sink *sink);
+/* Writes `count` hits to all arrays of a list, which were checked, from element `first` on. */
+void mlrt_write_hits(const mlrt_hit *hits, size_t first, uint32_t count, const mlrt_hits *list);
 
 #endif

@@ -17,6 +17,7 @@
 /* An array with its stride resolved: the bytes from element to element, or 0 if one element serves all rays. */
 static mlrt_const_array resolve_array(const mlrt_const_array *array, size_t element_size)
 {
+    if (!array->data) return (mlrt_const_array){NULL, 0};
     const size_t stride = array->stride == 0 ? element_size : array->stride == MLRT_STRIDE_ALL ? 0 : array->stride;
     return (mlrt_const_array){array->data, stride};
 }
@@ -122,11 +123,6 @@ int mlrt_are_float_safe(const float vector[3])
     return mlrt_is_float_safe(vector[0]) && mlrt_is_float_safe(vector[1]) && mlrt_is_float_safe(vector[2]);
 }
 
-static const float *float_at(const mlrt_const_array *array, uint32_t i)
-{
-    return (const float *)(const void *)((const unsigned char *)array->data + (size_t)i * array->stride);
-}
-
 struct mlrt_mesh_range mlrt_find_mesh(const struct mlrt_tree *tree, uint32_t mesh_id)
 {
     const struct mlrt_mesh_range none = {0, 0};
@@ -155,70 +151,17 @@ uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, ui
     return number_in_mesh(mlrt_find_mesh(tree, mesh_id), triangle);
 }
 
-/* The element of ray i in an array with one for each `group` rays. That is nearly always 1, and needs no division. */
-MLRT_INLINE uint32_t element_of_ray(uint32_t i, uint32_t group)
-{
-    return MLRT_LIKELY(group == 1) ? i : i / group;
-}
-
-/* The number of the triangle that an element of `skip` names, or MLRT_NONE. */
-static uint32_t skip_at(const struct mlrt_source *source, uint32_t element)
-{
-    if (!source->arrays.skip.data) return MLRT_NONE;
-    const uint32_t *pair = (const uint32_t *)(const void *)float_at(&source->arrays.skip, element);
-    return mlrt_triangle_number(source->tree, pair[0], pair[1]);
-}
-
-MLRT_INLINE uint32_t mask_at(const struct mlrt_source *source, uint32_t i)
-{
-    if (!source->arrays.mask.data) return source->common_mask;
-    const uint32_t mask = *(const uint32_t *)(const void *)float_at(&source->arrays.mask, i);
-    return mask ? mask : MLRT_MASK_ALL;
-}
-
-/* Reads ray i of arrays of this kind, as mlrt_read_ray does, but for the triangle that it skips. */
-MLRT_INLINE void read_ray(const struct mlrt_source *source, enum mlrt_source_kind kind, uint32_t i, float room[3],
-                          struct mlrt_lone_ray *ray)
-{
-    const uint32_t origin = element_of_ray(i, source->arrays.rays_per_origin);
-    const float *point = float_at(&source->arrays.points, origin);
-    ray->given_origin = point;
-    ray->given_direction = source->light;
-    ray->t_min = 0;
-    ray->t_max = INFINITY;
-    ray->mask = mask_at(source, i);
-    if (kind == MLRT_SOURCE_RAYS) {
-        ray->given_direction = float_at(&source->arrays.directions, i);
-        if (source->arrays.t_min.data) ray->t_min = *float_at(&source->arrays.t_min, origin);
-        if (source->arrays.t_max.data) ray->t_max = *float_at(&source->arrays.t_max, i);
-    } else if (kind == MLRT_SOURCE_POINT_LIGHT) {
-        for (int k = 0; k < 3; ++k) room[k] = point[k] - source->light[k];
-        ray->given_origin = source->light;
-        ray->given_direction = room;
-        ray->t_max = 1;
-    }
-}
-
-void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, float room[3], struct mlrt_lone_ray *ray)
-{
-    read_ray(source, source->kind, i, room, ray);
-    ray->skip = skip_at(source, element_of_ray(i, source->arrays.rays_per_origin));
-}
-
 int mlrt_are_alike(const struct mlrt_source *source)
 {
     if (source->kind != MLRT_SOURCE_RAYS) return 1;
-    const float *first = float_at(&source->arrays.points, 0);
-    uint32_t all = 0, common = 7;
-    int have_origin = 1;
-    for (uint32_t i = 0; i < source->count; ++i) {
-        const uint32_t signs = f4_signs(f4_three(float_at(&source->arrays.directions, i))) & 7;
-        const float *point = float_at(&source->arrays.points, element_of_ray(i, source->arrays.rays_per_origin));
-        have_origin &= memcmp(point, first, 12) == 0;
-        all |= signs;
-        common &= signs;
+    const float *a = mlrt_element(&source->arrays.directions, 0);
+    const float size = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+    for (uint32_t i = 1; i < source->count; ++i) {
+        const float *b = mlrt_element(&source->arrays.directions, i);
+        const float dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        if (!(dot > 0 && 2 * dot * dot > size * (b[0] * b[0] + b[1] * b[1] + b[2] * b[2]))) return 0;
     }
-    return have_origin || all == common;
+    return 1;
 }
 
 static int get_camera_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray)
@@ -260,7 +203,7 @@ void mlrt_fetch_masks(const struct mlrt_source *source, uint32_t x, uint32_t y, 
 {
     packet->has.masks = 1;
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane)
-        packet->mask[lane] = mask_at(source, ray_of_lane(source, x, y, lanes, lane));
+        packet->mask[lane] = mlrt_mask_of_ray(source, ray_of_lane(source, x, y, lanes, lane));
 }
 
 void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
@@ -279,15 +222,33 @@ static void fill(float value, float numbers[MLRT_PACKET_RAYS])
     for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4) f4_store(numbers + lane, f4_set1(value));
 }
 
+/* Gives all lanes what lane 0 has in some arrays of a packet, those of this kind that are read. */
+static MLRT_NOINLINE void spread_first_ray(enum mlrt_source_kind kind, struct mlrt_packet *packet)
+{
+    for (int k = 0; k < 3; ++k) {
+        if (kind != MLRT_SOURCE_POINT_LIGHT) fill(packet->origin[k][0], packet->origin[k]);
+        if (kind != MLRT_SOURCE_DIRECTIONAL_LIGHT) fill(packet->direction[k][0], packet->direction[k]);
+    }
+    if (kind == MLRT_SOURCE_RAYS) {
+        fill(packet->t_min[0], packet->t_min);
+        fill(packet->t_max[0], packet->t_max);
+    }
+    for (int lane = 1; lane < MLRT_PACKET_RAYS && packet->has.masks; ++lane) packet->mask[lane] = packet->mask[0];
+    for (int lane = 1; lane < MLRT_PACKET_RAYS && packet->has.skip; ++lane) {
+        packet->skip_mesh[lane] = packet->skip_mesh[0];
+        packet->skip[lane] = packet->skip[0];
+    }
+}
+
 /* Reads the rays of a block, out of arrays of this kind. What the rays of a light have in common is not read. */
 MLRT_INLINE void fetch_rays(const struct mlrt_source *source, enum mlrt_source_kind kind, uint32_t x, uint32_t y,
                             uint32_t lanes, struct mlrt_packet *packet)
 {
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const uint32_t i = ray_of_lane(source, x, y, lanes, lane);
+    for (uint32_t left = lanes | 1; left; left &= left - 1) {
+        const uint32_t lane = mlrt_lowest_bit(left), i = ray_of_lane(source, x, y, lanes, lane);
         struct mlrt_lone_ray ray;
         float room[3];
-        read_ray(source, kind, i, room, &ray);
+        mlrt_read_vectors(source, kind, i, room, &ray);
         for (int k = 0; k < 3; ++k) {
             if (kind != MLRT_SOURCE_POINT_LIGHT) packet->origin[k][lane] = ray.given_origin[k];
             if (kind != MLRT_SOURCE_DIRECTIONAL_LIGHT) packet->direction[k][lane] = ray.given_direction[k];
@@ -297,10 +258,13 @@ MLRT_INLINE void fetch_rays(const struct mlrt_source *source, enum mlrt_source_k
             packet->t_max[lane] = ray.t_max;
         }
         if (packet->has.masks) packet->mask[lane] = ray.mask;
-        if (!packet->has.skip) continue;
-        const float *pair = float_at(&source->arrays.skip, element_of_ray(i, source->arrays.rays_per_origin));
-        memcpy(&packet->skip_mesh[lane], pair, 4);
-        memcpy(&packet->skip[lane], pair + 1, 4);
+        if (packet->has.skip) {
+            const uint32_t *pair = (const uint32_t *)(const void *)mlrt_element(
+                &source->arrays.skip, mlrt_element_of_ray(i, source->arrays.rays_per_origin));
+            packet->skip_mesh[lane] = pair[0];
+            packet->skip[lane] = pair[1];
+        }
+        if (lane == 0 && lanes != 0xFFFF) spread_first_ray(kind, packet);
     }
 }
 

@@ -9,6 +9,8 @@
 #ifndef MLRT_RAYS_SOURCE_H
 #define MLRT_RAYS_SOURCE_H
 
+#include <math.h>
+
 #include "base/rows_ahead.h"
 #include "exact/predicate.h"
 #include "rays/camera.h"
@@ -90,13 +92,63 @@ uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, ui
 int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray,
                  uint32_t *skip);
 
+/* Element i of an array with a resolved stride. */
+MLRT_INLINE const float *mlrt_element(const mlrt_const_array *array, uint32_t i)
+{
+    return (const float *)(const void *)((const unsigned char *)array->data + (size_t)i * array->stride);
+}
+
+/* The element of ray i in an array with one for each `group` rays. That is nearly always 1, and needs no division. */
+MLRT_INLINE uint32_t mlrt_element_of_ray(uint32_t i, uint32_t group)
+{
+    return MLRT_LIKELY(group == 1) ? i : i / group;
+}
+
+MLRT_INLINE uint32_t mlrt_mask_of_ray(const struct mlrt_source *source, uint32_t i)
+{
+    if (!source->arrays.mask.data) return source->common_mask;
+    const uint32_t mask = *(const uint32_t *)(const void *)mlrt_element(&source->arrays.mask, i);
+    return mask ? mask : MLRT_MASK_ALL;
+}
+
+/* Reads ray i of arrays of this kind, as mlrt_read_ray does, but for the triangle that it skips. */
+MLRT_INLINE void mlrt_read_vectors(const struct mlrt_source *source, enum mlrt_source_kind kind, uint32_t i,
+                                   float room[3], struct mlrt_lone_ray *ray)
+{
+    const uint32_t origin = mlrt_element_of_ray(i, source->arrays.rays_per_origin);
+    const float *point = mlrt_element(&source->arrays.points, origin);
+    ray->given_origin = point;
+    ray->given_direction = source->light;
+    ray->t_min = 0;
+    ray->t_max = INFINITY;
+    ray->mask = mlrt_mask_of_ray(source, i);
+    if (kind == MLRT_SOURCE_RAYS) {
+        ray->given_direction = mlrt_element(&source->arrays.directions, i);
+        if (source->arrays.t_min.data) ray->t_min = *mlrt_element(&source->arrays.t_min, origin);
+        if (source->arrays.t_max.data) ray->t_max = *mlrt_element(&source->arrays.t_max, i);
+    } else if (kind == MLRT_SOURCE_POINT_LIGHT) {
+        for (int k = 0; k < 3; ++k) room[k] = point[k] - source->light[k];
+        ray->given_origin = source->light;
+        ray->given_direction = room;
+        ray->t_max = 1;
+    }
+}
+
 /*
  * Reads ray i of arrays, as it was given: vectors, limits, mask and skip of *ray. `room` holds a vector that is in no
  * array.
  */
-void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, float room[3], struct mlrt_lone_ray *ray);
+MLRT_INLINE void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, float room[3], struct mlrt_lone_ray *ray)
+{
+    mlrt_read_vectors(source, source->kind, i, room, ray);
+    ray->skip = MLRT_NONE;
+    if (!source->arrays.skip.data) return;
+    const uint32_t *pair = (const uint32_t *)(const void *)mlrt_element(
+        &source->arrays.skip, mlrt_element_of_ray(i, source->arrays.rays_per_origin));
+    if (pair[0] != MLRT_NONE) ray->skip = mlrt_triangle_number(source->tree, pair[0], pair[1]);
+}
 
-/* Have rays of arrays, of which there is one at least, one origin, or directions with the same signs? */
+/* Are the directions of rays of arrays, of which there is one at least, less than 45 degrees from the first one? */
 int mlrt_are_alike(const struct mlrt_source *source);
 
 /* 1 if float arithmetic carries the vector, or the ray, without overflow or loss (packet.h). */

@@ -23,25 +23,28 @@ struct run {
     const struct mlrt_tree *tree;
     const struct mlrt_source *source;
     const mlrt_hit_lists *lists;
-    struct mlrt_sink hits; /* the arrays of hits, `crossing` in place of `occluded` */
-    uint32_t capacity;     /* places of a ray in these; 0 without such arrays, and then no hits are put in order */
+    mlrt_hits hits;    /* the arrays of hits, `crossing` in place of `occluded` */
+    uint32_t numbers;  /* what has to be computed for each hit: MLRT_OUTPUT_* */
+    uint32_t capacity; /* places of a ray in the arrays; 0 without arrays, and then no hits are put in order */
     int counting;
     struct worker *workers;
     struct mlrt_progress progress; /* by items */
 };
 
-static void make_sink(const mlrt_hit_lists *lists, struct run *run)
+static void set_arrays(const mlrt_hit_lists *lists, struct run *run)
 {
-    const mlrt_hits hits = {.t = lists->t,
+    struct mlrt_sink sink;
+    run->hits = (mlrt_hits){.t = lists->t,
                             .u = lists->u,
                             .v = lists->v,
                             .mesh = lists->mesh,
                             .triangle = lists->triangle,
                             .facing = lists->facing,
                             .occluded = lists->crossing};
-    mlrt_make_sink(&hits, 1, 1, &run->hits);
-    mlrt_group_channels(&run->hits);
-    run->capacity = mlrt_sink_is_empty(&run->hits) ? 0 : lists->capacity;
+    mlrt_make_sink(&run->hits, 1, 1, &sink);
+    mlrt_group_channels(&sink);
+    run->numbers = sink.numbers;
+    run->capacity = mlrt_sink_is_empty(&sink) ? 0 : lists->capacity;
 }
 
 static void write_count(const mlrt_array *array, size_t i, uint32_t count)
@@ -86,7 +89,7 @@ static int trace_ray(const struct run *run, struct worker *worker, uint32_t i)
     for (uint32_t j = 0; j < run->capacity; ++j) {
         const uint32_t number = j < list->count ? list->hits[j].triangle : MLRT_NONE;
         mlrt_hit hit;
-        mlrt_set_hit(run->tree, &ray, number, run->hits.numbers, &hit);
+        mlrt_set_hit(run->tree, &ray, number, run->numbers, &hit);
         hit.occluded = number != MLRT_NONE && run->lists->crossing.data && crosses(run, &ray, number);
         mlrt_write_hits(&hit, (size_t)i * run->capacity + j, 1, &run->hits);
     }
@@ -114,7 +117,7 @@ int32_t mlrt_run_all_hits(const struct mlrt_tree *tree, const struct mlrt_source
                           const struct mlrt_run_options *options)
 {
     struct run run = {.tree = tree, .source = source, .lists = lists, .counting = options->counters != NULL};
-    make_sink(lists, &run);
+    set_arrays(lists, &run);
     if (source->count == 0) return mlrt_end_nothing(&options->host);
     const uint32_t worker_count = mlrt_worker_count(options->pool);
     const uint32_t item_count = mlrt_item_count(source->count, ITEM_RAYS);

@@ -4,6 +4,7 @@
  */
 #include "run/lone_ray.h"
 
+#include "base/host.h"
 #include "job/job.h"
 #include "rays/meet_scene.h"
 #include "run/dispatch.h"
@@ -21,67 +22,75 @@ void mlrt_trace_by_ray(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, m
     mlrt_set_result(tree, ray, number, hit);
 }
 
-static const struct mlrt_kernels *kernels_of(const mlrt_tree *tree, const struct mlrt_lone_ray *ray)
+/* Sets the numbers of a ray where the unit of boxes is 1, and says what is known of it. */
+MLRT_INLINE enum mlrt_lone_ray_kind take_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray)
 {
-    return ray->kernels ? ray->kernels : mlrt_widest_kernels(tree->structure);
+    if (MLRT_UNLIKELY(tree->bvh.unit != 1)) return MLRT_LONE_RAY_MAY_HIT;
+    return mlrt_take_lone_ray(&tree->bvh.whole, ray->given_origin, ray->given_direction, ray->t_min, ray->t_max, ray);
+}
+
+/* Traces a ray that was taken. */
+MLRT_INLINE void trace_taken_ray(const mlrt_tree *tree, enum mlrt_lone_ray_kind kind, const struct mlrt_lone_ray *ray,
+                                 mlrt_hit *hit)
+{
+    int32_t status = kind == MLRT_LONE_RAY_NOT_CARRIED ? MLRT_ERROR_UNSUPPORTED : MLRT_OK;
+    if (kind == MLRT_LONE_RAY_MISSES) {
+        mlrt_set_miss(ray->any, hit);
+    } else if (kind == MLRT_LONE_RAY_MAY_HIT) {
+        const struct mlrt_kernels *kernels = ray->kernels ? ray->kernels : mlrt_widest_kernels(tree->structure);
+        status = (tree->bvh.unit == 1 ? kernels->trace_ray : kernels->trace_ray_in_units)(tree, ray, hit);
+    }
+    if (status != MLRT_OK) mlrt_trace_by_ray(tree, ray, NULL, hit);
 }
 
 void mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
-    if (MLRT_UNLIKELY(tree->bvh.unit != 1)) {
-        if (kernels_of(tree, ray)->trace_ray_in_units(tree, ray, hit) != MLRT_OK) mlrt_trace_by_ray(tree, ray, NULL, hit);
-        return;
-    }
-    switch (
-        mlrt_take_lone_ray(&tree->bvh.whole, ray->given_origin, ray->given_direction, ray->t_min, ray->t_max, ray)) {
-    case MLRT_LONE_RAY_MAY_HIT:
-        (void)kernels_of(tree, ray)->trace_ray(tree, ray, hit);
-        break;
-    case MLRT_LONE_RAY_NOT_CARRIED:
-        mlrt_trace_by_ray(tree, ray, NULL, hit);
-        break;
-    default:
-        mlrt_set_miss(ray->any, hit);
-    }
+    trace_taken_ray(tree, take_ray(tree, ray), ray, hit);
 }
 
 /*
- * Rays that are alike are traced together if there are more than FEWEST_ALIKE, others if there are more than
- * FEWEST_OTHERS and the tree has few nodes. Nanoseconds of a call one by one and together (AVX-512, t and triangles):
- * pixels of erw6, 5 rays 704, 720, 8 rays 1090, 626; rays in all directions in erw6, 8 rays 1146, 1150, 12 rays 1570,
- * 1232; among 10,000 triangles in a cube, 12 rays 4183, 4882, 16 rays 5665, 6154.
+ * Rays that are alike are traced together if there are more than MOST_ALIKE, others if there are more than MOST_OTHERS
+ * and the tree has few nodes; the wider a vector, the sooner. Nanoseconds of a call one by one and together in erw6 (Zen
+ * 4, t and triangles): pixels, AVX-512, 6 rays 557, 660, 8 rays 732, 660, 12 rays 1077, 683; SSE2, 8 rays 902, 988, 12
+ * rays 1414, 1143. Rays in all directions, AVX-512, 8 rays 720, 940, 12 rays 1123, 1030; AVX2, 12 rays 1096, 1173, 16
+ * rays 1412, 1122; SSE2, 12 rays 1410, 1814, 16 rays 1906, 1836. In conference the others are faster one by one.
  */
-#define FEWEST_ALIKE  6
-#define FEWEST_OTHERS 8
-#define FEW_NODES     64
+#define MOST_ALIKE(width)  (7 + 16 / (width))
+#define MOST_OTHERS(width) (12 + 16 / (width))
+#define FEW_NODES          64
 
-/* Is it faster to trace the rays together? Those that miss the scene are not. *ray is used up. */
-static int should_go_together(const struct mlrt_job *job, struct mlrt_lone_ray *ray)
+/* Is it faster to trace the rays together, if they meet the scene? */
+static int should_go_together(const struct mlrt_job *job)
 {
-    const struct mlrt_source *source = &job->source;
-    float room[3];
-    if (source->count <= FEWEST_ALIKE) return 0;
-    if (!mlrt_are_alike(source) && (source->count <= FEWEST_OTHERS || job->tree->bvh.node_count > FEW_NODES)) {
-        return 0;
-    }
-    mlrt_read_ray(source, 0, room, ray);
-    return job->tree->bvh.unit != 1 ||
-           mlrt_take_lone_ray(&job->tree->bvh.whole, ray->given_origin, ray->given_direction, ray->t_min, ray->t_max,
-                              ray) == MLRT_LONE_RAY_MAY_HIT;
+    const uint32_t count = job->source.count, width = job->kernels->width;
+    if (count <= MOST_ALIKE(width)) return 0;
+    return (count > MOST_OTHERS(width) && job->tree->bvh.node_count <= FEW_NODES) || mlrt_are_alike(&job->source);
 }
 
-int mlrt_trace_few_rays(const struct mlrt_job *job)
+/* As mlrt_trace_few_rays, where no worker is needed. */
+static MLRT_NOINLINE int trace_few_rays(const struct mlrt_job *job, const mlrt_hits *list)
 {
     mlrt_hit hits[MLRT_PACKET_RAYS];
     struct mlrt_lone_ray ray;
-    if (should_go_together(job, &ray)) return 0;
     ray.kernels = job->kernels;
     ray.any = job->any;
     for (uint32_t i = 0; i < job->source.count; ++i) {
         float room[3];
         mlrt_read_ray(&job->source, i, room, &ray);
-        mlrt_trace_lone_ray(job->tree, &ray, &hits[i]);
+        const enum mlrt_lone_ray_kind kind = take_ray(job->tree, &ray);
+        if (i == 0 && kind == MLRT_LONE_RAY_MAY_HIT && should_go_together(job)) return 0;
+        trace_taken_ray(job->tree, kind, &ray, &hits[i]);
     }
-    mlrt_write_hits(hits, 0, job->source.count, &job->frame);
+    mlrt_write_hits(hits, 0, job->source.count, list);
     return 1;
+}
+
+int mlrt_trace_few_rays(const struct mlrt_job *job, const struct mlrt_run_options *options, const mlrt_hits *list)
+{
+    int is_done;
+    if (!mlrt_is_block(job) || !job->source.count || job->method != MLRT_METHOD_TILE || options->counters ||
+        options->host.progress)
+        return 0;
+    MLRT_COMPUTE(is_done = trace_few_rays(job, list));
+    return is_done;
 }

@@ -15,7 +15,6 @@
 #include "job/structure.h"
 #include "job/write_arrays.h"
 #include "rays/rectangle.h"
-#include "run/lone_ray.h"
 #include "simd/sixteen.h"
 
 struct run {
@@ -169,23 +168,8 @@ static MLRT_NOINLINE int32_t run_block(const struct mlrt_job *job, const struct 
     return run_items(options, 1, 1, &run);
 }
 
-/*
- * Traces the rays one by one, without a worker, if that is faster. Returns 0 if it is not, or if a worker is needed:
- * for counters, or for a host that watches progress and may end the call.
- */
-static int trace_without_worker(const struct mlrt_job *job, const struct mlrt_run_options *options)
-{
-    if (!mlrt_is_block(job) || !job->source.count || job->method != MLRT_METHOD_TILE || options->counters ||
-        options->host.progress)
-        return 0;
-    int is_done;
-    MLRT_COMPUTE(is_done = mlrt_trace_few_rays(job));
-    return is_done;
-}
-
 int32_t mlrt_run_job(struct mlrt_job *job, const struct mlrt_run_options *options)
 {
-    if (trace_without_worker(job, options)) return MLRT_OK;
     mlrt_group_channels(&job->frame);
     const uint32_t columns = mlrt_item_count(job->source.width, job->initial_tile_size);
     const uint64_t item_count = (uint64_t)columns * mlrt_item_count(job->source.height, job->initial_tile_size);
