@@ -217,27 +217,29 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
 }
 
 /* Sets the numbers of all lanes. */
-static void fill(float value, float numbers[MLRT_PACKET_RAYS])
+static void fill(float value, void *numbers)
 {
-    for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4) f4_store(numbers + lane, f4_set1(value));
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4) f4_store((float *)numbers + lane, f4_set1(value));
 }
 
-/* Gives all lanes what lane 0 has in some arrays of a packet, those of this kind that are read. */
+/* Gives all lanes the word of lane 0. */
+static MLRT_NOINLINE void spread(void *words)
+{
+    float first;
+    memcpy(&first, words, sizeof first);
+    fill(first, words);
+}
+
+/* Gives all lanes the numbers of lane 0 that are read out of arrays of this kind. */
 static MLRT_NOINLINE void spread_first_ray(enum mlrt_source_kind kind, struct mlrt_packet *packet)
 {
     for (int k = 0; k < 3; ++k) {
-        if (kind != MLRT_SOURCE_POINT_LIGHT) fill(packet->origin[k][0], packet->origin[k]);
-        if (kind != MLRT_SOURCE_DIRECTIONAL_LIGHT) fill(packet->direction[k][0], packet->direction[k]);
+        if (kind != MLRT_SOURCE_POINT_LIGHT) spread(packet->origin[k]);
+        if (kind != MLRT_SOURCE_DIRECTIONAL_LIGHT) spread(packet->direction[k]);
     }
-    if (kind == MLRT_SOURCE_RAYS) {
-        fill(packet->t_min[0], packet->t_min);
-        fill(packet->t_max[0], packet->t_max);
-    }
-    for (int lane = 1; lane < MLRT_PACKET_RAYS && packet->has.masks; ++lane) packet->mask[lane] = packet->mask[0];
-    for (int lane = 1; lane < MLRT_PACKET_RAYS && packet->has.skip; ++lane) {
-        packet->skip_mesh[lane] = packet->skip_mesh[0];
-        packet->skip[lane] = packet->skip[0];
-    }
+    if (kind == MLRT_SOURCE_RAYS) spread(packet->t_min), spread(packet->t_max);
+    if (packet->has.masks) spread(packet->mask);
+    if (packet->has.skip) spread(packet->skip_mesh), spread(packet->skip);
 }
 
 /* Reads the rays of a block, out of arrays of this kind. What the rays of a light have in common is not read. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays one by one: see lone_ray.h. The paths of rays that miss the scene call no function and keep no registers.
+ * Rays one by one: see lone_ray.h.
  */
 #include "run/lone_ray.h"
 
@@ -23,7 +23,7 @@ void mlrt_trace_by_ray(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, m
 }
 
 /* Sets the numbers of a ray where the unit of boxes is 1, and says what is known of it. */
-MLRT_INLINE enum mlrt_lone_ray_kind take_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray)
+static MLRT_NOINLINE enum mlrt_lone_ray_kind take_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray)
 {
     if (MLRT_UNLIKELY(tree->bvh.unit != 1)) return MLRT_LONE_RAY_MAY_HIT;
     return mlrt_take_lone_ray(&tree->bvh.whole, ray->given_origin, ray->given_direction, ray->t_min, ray->t_max, ray);
