@@ -99,7 +99,7 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
 
 /* ---- rays ---- */
 
-/* Sets the fields of a job for which plain options matter to few rays. Returns 0 if the kernels are not known at once. */
+/* Sets the fields of a job that few rays need, of plain options. Returns 0 if the kernels are not known at once. */
 static int set_plain_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
     const struct mlrt_structure *structure = tree->structure;
@@ -140,7 +140,8 @@ MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays,
     if (status == MLRT_OK) status = mlrt_check_hits("hits", hits, call.options, 0, !rays->count || call.run.counters);
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
     mlrt_make_ray_source(tree, rays, &job.source);
-    if (!rays->row_length && rays->count > MLRT_PACKET_RAYS) mlrt_set_rows(mlrt_find_row_length(&job.source), &job.source);
+    if (!rays->row_length && rays->count > MLRT_PACKET_RAYS)
+        mlrt_set_rows(mlrt_find_row_length(&job.source), &job.source);
     return mlrt_end_traced(&call, run_list(tree, &call, 0, hits, &job));
 }
 

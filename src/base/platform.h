@@ -145,9 +145,10 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 
 /*
  * The library computes with round to nearest, denormals kept, and exceptions masked. mlrt_enter_fp_environment saves
- * the caller's environment and sets that one; mlrt_leave_fp_environment restores what was saved. Every exported function
- * that computes with floats, and every thread's work, runs between the two: mostly as MLRT_COMPUTE, which is given a
- * statement. This must be a call of a function that is not inlined, so that the compiler moves no arithmetic out of it.
+ * the caller's environment and sets that one; mlrt_leave_fp_environment restores what was saved. Every exported
+ * function that computes with floats, and every thread's work, runs between the two: mostly as MLRT_COMPUTE, which is
+ * given a statement. This must be a call of a function that is not inlined, so that the compiler moves no arithmetic
+ * out of it.
  */
 #define MLRT_COMPUTE(statement)                                                                                        \
     do {                                                                                                               \

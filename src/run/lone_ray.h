@@ -26,7 +26,7 @@ struct mlrt_run_options;
  * Traces the rays of a job, in any floating-point environment, one by one through boxes, without a worker, and writes
  * the results to the arrays of a list. Returns 0, and does nothing, if it is faster to trace them together, or if a
  * worker is needed: for another method, for counters, or for a host that watches progress and may end the call. Of the
- * job, the frame and what the options say of tiles is not used. All rays are read before a result is written, so results
+ * job, the frame and what options say of tiles is not used. All rays are read before a result is written, so results
  * may lie on rays, which mlrt.h does not promise.
  */
 int mlrt_trace_few_rays(const struct mlrt_job *job, const struct mlrt_run_options *options, const mlrt_hits *list);
