@@ -206,7 +206,7 @@ static void any_point_in_plane(float point[3])
 }
 
 /*
- * Nearly all points in one plane, and sizes too different for any grid: exact zeros that only exact/big_numbers.h can
+ * Nearly all points in one plane, and sizes too different for any grid: exact zeros that only exact/integers.h can
  * tell.
  */
 static void make_wide_plane(struct test_case *test)
@@ -451,7 +451,7 @@ static void check_sum(const struct test_case *test)
     const float *from = test->ray.origin, *by = test->ray.direction;
     check(mlrt_side_of_sum(&test->triangle, from, by) == side, "side_of_sum", test);
     check(mlrt_side_of_sum(&test->triangle, by, from) == side, "side_of_sum, swapped", test);
-    check(side_of_sum_exactly(&test->triangle, from, by) == side, "side_of_sum_exactly", test);
+    check(mlrt_exact_side(&test->triangle, from, by) == side, "mlrt_exact_side", test);
 }
 
 static void check_triangle(const struct test_case *test)
@@ -462,7 +462,7 @@ static void check_triangle(const struct test_case *test)
     check(has_area_exactly(&test->triangle) == has_area, "has_area_exactly", test);
     int side = -mpz_sgn(z->n);
     check(mlrt_side_of_plane(&test->triangle, test->ray.origin) == side, "side_of_plane", test);
-    check(side_of_plane_exactly(&test->triangle, test->ray.origin) == side, "side_of_plane_exactly", test);
+    check(mlrt_exact_side(&test->triangle, test->ray.origin, (const float[3]){0, 0, 0}) == side, "mlrt_exact_side", test);
     check_sum(test);
 }
 
@@ -500,7 +500,7 @@ static void check_intervals(struct test_case *test, float t)
             test->ray.t_max = around[j];
             if (test->ray.t_min < test->ray.t_max) check_hit(test);
         }
-        check(sign_beyond_exactly(&test->ray, &test->triangle, around[i], NULL) ==
+        check(mlrt_exact_sign_beyond(&test->ray, &test->triangle, around[i]) ==
                   expected_beyond(&first_integers, around[i]),
               "sign_beyond_exactly", test);
     }
@@ -542,7 +542,7 @@ static int check_case(struct test_case *test)
         return 0;
     }
     struct mlrt_hit_report report, exact_report;
-    report_hit_exactly(&test->ray, &test->triangle, ALL_OUTPUTS, &exact_report);
+    mlrt_exact_report(&test->ray, &test->triangle, ALL_OUTPUTS, &exact_report);
     check_report(test, &exact_report);
     mlrt_report_hit(&test->ray, &test->triangle, ALL_OUTPUTS, &report);
     check_report(test, &report);
@@ -761,7 +761,7 @@ static int check_pair(const struct test_case *test, const struct mlrt_triangle *
     check(mlrt_compare_distance(ray, first, second, NULL) == order, "compare_distance", test);
     check(mlrt_compare_distance(ray, second, first, NULL) == -order, "compare_distance, swapped", test);
     check(compare_close_distance(ray, first, second, NULL) == order, "compare_close_distance", test);
-    check(compare_distance_exactly(ray, first, second) == order, "compare_distance_exactly", test);
+    check(mlrt_exact_order(ray, first, second) == order, "mlrt_exact_order", test);
     check_offer_before(test, second, order);
     check_comes_first(test, second, order);
     return order == 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The determinants of the hit rule: in double with a bound on the error, and exactly.
+ * The determinants of the hit rule in double, with a bound on the error.
  *
  * Based on: Tomas Moeller, Ben Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997 (which products the
  * three edges and the plane share).
@@ -53,7 +53,6 @@
 #define MLRT_EXACT_DETERMINANTS_H
 
 #include "base/platform.h"
-#include "exact/big_numbers.h"
 #include "exact/rounding.h"
 #include "exact/segment.h"
 #include "exact/triangle.h"
@@ -147,35 +146,11 @@ MLRT_INLINE struct mlrt_measured mlrt_measure_order(const struct mlrt_crossing *
 }
 
 /* D and N of a ray and a triangle. Not inlined: that would take 2 kB and gain no time that can be measured. */
-struct mlrt_crossing mlrt_cross_plane(const float origin[3], const float direction[3],
-                                      const struct mlrt_triangle *triangle);
-
-struct mlrt_exact_vector {
-    struct mlrt_exact x[3];
-};
-
-void mlrt_exact_vector_of(const float v[3], struct mlrt_exact_vector *result);
-void mlrt_exact_vector_between(const float from[3], const float to[3], struct mlrt_exact_vector *result);
-
-/* Component k of v x w. */
-void mlrt_exact_cross_component(const struct mlrt_exact_vector *v, const struct mlrt_exact_vector *w, int k,
-                                struct mlrt_exact *result);
-
-void mlrt_exact_dot(const struct mlrt_exact_vector *v, const struct mlrt_exact_vector *w, struct mlrt_exact *result);
-
-/* e_ij of the edge from v_i to v_j. */
-void mlrt_exact_edge(const struct mlrt_ray_segment *ray, const float vertex_i[3], const float vertex_j[3],
-                     struct mlrt_exact *result);
-
-/* n = (b - a) x (c - a) */
-void mlrt_exact_normal(const struct mlrt_triangle *triangle, struct mlrt_exact_vector *result);
-
-/* D and N of a ray and a triangle. */
-void mlrt_exact_crossing(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, struct mlrt_exact *d,
-                         struct mlrt_exact *n);
-
-/* The sign of first * second_factor - second * first_factor. */
-int mlrt_exact_sign_of_difference(const struct mlrt_exact *first, const struct mlrt_exact *second_factor,
-                                  const struct mlrt_exact *second, const struct mlrt_exact *first_factor);
+static MLRT_NOINLINE struct mlrt_crossing mlrt_cross_plane(const float origin[3], const float direction[3],
+                                                           const struct mlrt_triangle *triangle)
+{
+    const struct mlrt_operands operands = mlrt_load_operands(origin, direction, triangle->v[0], 1);
+    return mlrt_measure_crossing(&operands);
+}
 
 #endif

@@ -10,7 +10,7 @@
 #include <float.h>
 
 #include "exact/determinants.h"
-#include "exact/grid.h"
+#include "exact/integers.h"
 
 /* n = (b - a) x (c - a), and the product of the sizes of its factors. */
 struct normal {
@@ -26,23 +26,14 @@ MLRT_INLINE struct normal normal_of(const struct mlrt_triangle *triangle)
     return (struct normal){mlrt_cross(ab, ac), mlrt_size_of(ab) * mlrt_size_of(ac)};
 }
 
-/* The sign of v . n. */
-static int exact_side(const struct mlrt_triangle *triangle, const struct mlrt_exact_vector *v)
-{
-    struct mlrt_exact_vector normal;
-    struct mlrt_exact height;
-    mlrt_exact_normal(triangle, &normal);
-    mlrt_exact_dot(v, &normal, &height);
-    return height.sign;
-}
-
 /* ---- triangle and plane ------------------------------------------------------------------------------------------ */
 
 static MLRT_NOINLINE int has_area_exactly(const struct mlrt_triangle *triangle)
 {
-    struct mlrt_exact_vector normal;
-    mlrt_exact_normal(triangle, &normal);
-    return normal.x[0].sign != 0 || normal.x[1].sign != 0 || normal.x[2].sign != 0;
+    static const float AXES[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int k = 0; k < 3; ++k)
+        if (mlrt_exact_side(triangle, triangle->v[0], AXES[k]) != 0) return 1;
+    return 0;
 }
 
 int mlrt_triangle_has_area(const struct mlrt_triangle *triangle)
@@ -52,15 +43,6 @@ int mlrt_triangle_has_area(const struct mlrt_triangle *triangle)
     if (mlrt_size_of(normal.n) > 3 * MLRT_SIGN_ERROR * normal.size)
         return 1; // a component is above MLRT_SIGN_ERROR * size
     return normal.size > 0 && has_area_exactly(triangle);
-}
-
-static MLRT_NOINLINE int side_of_plane_exactly(const struct mlrt_triangle *triangle, const float point[3])
-{
-    int sign;
-    if (MLRT_LIKELY(mlrt_grid_distance_sign(triangle, point, &sign))) return -sign;
-    struct mlrt_exact_vector v;
-    mlrt_exact_vector_between(triangle->v[0], point, &v);
-    return exact_side(triangle, &v);
 }
 
 /* The sign of v . n; 0 if double cannot tell. `size` is that of v, or those of its summands. */
@@ -74,20 +56,7 @@ int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3
 {
     const struct mlrt_vector v = mlrt_subtract(mlrt_vector_at(point, 1), mlrt_vector_at(triangle->v[0], 1));
     const int side = certain_side(triangle, v, mlrt_size_of(v));
-    return side != 0 ? side : side_of_plane_exactly(triangle, point);
-}
-
-static MLRT_NOINLINE int side_of_sum_exactly(const struct mlrt_triangle *triangle, const float from[3],
-                                             const float by[3])
-{
-    struct mlrt_exact_vector to_from, point;
-    mlrt_exact_vector_between(triangle->v[0], from, &to_from);
-    for (int k = 0; k < 3; ++k) {
-        mlrt_exact_from_double(by[k], &point.x[k]);
-        const struct mlrt_exact step = point.x[k];
-        mlrt_exact_add(&to_from.x[k], &step, &point.x[k]);
-    }
-    return exact_side(triangle, &point);
+    return side != 0 ? side : mlrt_exact_side(triangle, point, (const float[3]){0, 0, 0});
 }
 
 int mlrt_side_of_sum(const struct mlrt_triangle *triangle, const float from[3], const float by[3])
@@ -97,14 +66,7 @@ int mlrt_side_of_sum(const struct mlrt_triangle *triangle, const float from[3], 
     const struct mlrt_vector v = {to_from.x + step.x, to_from.y + step.y, to_from.z + step.z};
     // A component of v has 2 factors, so the determinant has 9, relative to the sizes of the two summands of v.
     const int side = certain_side(triangle, v, mlrt_size_of(to_from) + mlrt_size_of(step));
-    return side != 0 ? side : side_of_sum_exactly(triangle, from, by);
-}
-
-static MLRT_NOINLINE int facing_of_normal_exactly(const struct mlrt_triangle *triangle, const float direction[3])
-{
-    struct mlrt_exact_vector along;
-    mlrt_exact_vector_of(direction, &along);
-    return exact_side(triangle, &along);
+    return side != 0 ? side : mlrt_exact_side(triangle, from, by);
 }
 
 int mlrt_facing(const struct mlrt_triangle *triangle, const float direction[3])
@@ -114,22 +76,10 @@ int mlrt_facing(const struct mlrt_triangle *triangle, const float direction[3])
     for (uint32_t axis = 0; axis < 3; ++axis) {
         if (direction[axis] == 0 && mlrt_is_across(triangle, axis)) return 0; /* such as a wall under vertical light */
     }
-    return facing_of_normal_exactly(triangle, direction);
+    return mlrt_exact_side(triangle, triangle->v[0], direction);
 }
 
 /* ---- hit or miss ------------------------------------------------------------------------------------------------- */
-
-/* The signs of e_ab, e_bc, e_ca in sign[]: an entry that is not 0 on entry is known and stays. */
-static void exact_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int sign[3])
-{
-    if (MLRT_LIKELY(mlrt_grid_edge_signs(ray, triangle, sign))) return;
-    for (int i = 0; i < 3; ++i) {
-        struct mlrt_exact edge;
-        if (sign[i] != 0) continue;
-        mlrt_exact_edge(ray, triangle->v[i], triangle->v[(i + 1) % 3], &edge);
-        sign[i] = edge.sign;
-    }
-}
 
 /*
  * The sign of D if the ray's line meets the closed triangle, 0 for a miss. `known` holds the signs of e_ab, e_bc, e_ca,
@@ -141,26 +91,12 @@ static MLRT_NOINLINE int facing_exactly(const struct mlrt_ray_segment *ray, cons
 {
     int sign[3] = {known[0], known[1], known[2]}, facing = 0;
     if (counters) ++counters->exact_edge_count;
-    exact_edge_signs(ray, triangle, sign);
+    mlrt_exact_edge_signs(ray, triangle, sign);
     for (int i = 0; i < 3; ++i) {
         if (sign[i] * facing < 0) return 0;
         if (sign[i] != 0) facing = sign[i];
     }
     return facing;
-}
-
-/* The sign of N - t D. */
-static MLRT_NOINLINE int sign_beyond_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
-                                             float t, mlrt_counters *counters)
-{
-    if (counters) ++counters->exact_range_count;
-    int sign;
-    if (t == 0 && MLRT_LIKELY(mlrt_grid_distance_sign(triangle, ray->origin, &sign))) return sign;
-    struct mlrt_exact n, d, one, exact_t;
-    mlrt_exact_crossing(ray, triangle, &d, &n);
-    mlrt_exact_from_double(1, &one);
-    mlrt_exact_from_double(t, &exact_t);
-    return mlrt_exact_sign_of_difference(&n, &one, &exact_t, &d);
 }
 
 /*
@@ -196,7 +132,8 @@ MLRT_INLINE int sign_beyond(const struct mlrt_ray_segment *ray, const struct mlr
 {
     int sign = facing * mlrt_certain_sign(mlrt_measure_beyond(crossing, t), MLRT_SIGN_ERROR);
     if (MLRT_LIKELY(sign != 0) || mlrt_reaches_flat(ray, triangle, t, &sign)) return sign;
-    return facing * sign_beyond_exactly(ray, triangle, t, counters);
+    if (counters) ++counters->exact_range_count;
+    return facing * mlrt_exact_sign_beyond(ray, triangle, t);
 }
 
 int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
@@ -227,30 +164,17 @@ int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_tri
 }
 
 /*
- * The sign of an edge function that is 0, when the origin has moved. The move changes it by
- * -((v_j - v_i) x d) . (e, e^2, e^3), so the first component that is not 0 decides. If all are 0, the ray is parallel
- * to the edge and D is 0: then the ray did not hit the triangle.
+ * The move of the origin changes an edge function by -((v_j - v_i) x d) . (e, e^2, e^3), so the first component that is
+ * not 0 decides for an edge function that is 0. If all are 0, the ray is parallel to the edge and D is 0: then the ray did
+ * not hit the triangle.
  */
-static int perturbed_edge_sign(const struct mlrt_ray_segment *ray, const float vertex_i[3], const float vertex_j[3])
-{
-    struct mlrt_exact_vector edge, direction;
-    mlrt_exact_vector_between(vertex_i, vertex_j, &edge);
-    mlrt_exact_vector_of(ray->direction, &direction);
-    for (int k = 0; k < 3; ++k) {
-        struct mlrt_exact component;
-        mlrt_exact_cross_component(&edge, &direction, k, &component);
-        if (component.sign != 0) return -component.sign;
-    }
-    return 0;
-}
-
 static MLRT_NOINLINE int crosses_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle)
 {
     int sign[3] = {0, 0, 0};
-    exact_edge_signs(ray, triangle, sign);
+    mlrt_exact_edge_signs(ray, triangle, sign);
     const int facing = sign[0] ? sign[0] : sign[1] ? sign[1] : sign[2];
     for (int i = 0; i < 3; ++i)
-        if (sign[i] == 0 && perturbed_edge_sign(ray, triangle->v[i], triangle->v[(i + 1) % 3]) != facing) return 0;
+        if (sign[i] == 0 && mlrt_exact_edge_direction(ray, triangle, i) != facing) return 0;
     return 1;
 }
 
@@ -267,17 +191,6 @@ int mlrt_crosses_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_
 
 /* ---- nearer ------------------------------------------------------------------------------------------------------ */
 
-static MLRT_NOINLINE int compare_distance_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
-                                                  const struct mlrt_triangle *second)
-{
-    int sign;
-    if (MLRT_LIKELY(mlrt_grid_order(ray, first, second, &sign))) return sign;
-    struct mlrt_exact n1, d1, n2, d2;
-    mlrt_exact_crossing(ray, first, &d1, &n1);
-    mlrt_exact_crossing(ray, second, &d2, &n2);
-    return d1.sign * d2.sign * mlrt_exact_sign_of_difference(&n1, &d2, &n2, &d1);
-}
-
 /*
  * Distances that double cannot tell apart are mostly equal, and most of these are walls in the same plane across an
  * axis. For a plane x_k = w, t = (w - o_k) / d_k, so planes w1 and w2 across the same axis compare as
@@ -293,7 +206,7 @@ static MLRT_NOINLINE int compare_close_distance(const struct mlrt_ray_segment *r
         return ray->direction[axis] < 0 ? -sign : sign;
     }
     if (counters) ++counters->exact_order_count;
-    return compare_distance_exactly(ray, first, second);
+    return mlrt_exact_order(ray, first, second);
 }
 
 int mlrt_compare_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,

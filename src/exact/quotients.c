@@ -19,7 +19,7 @@
 #include <string.h>
 
 #include "exact/determinants.h"
-#include "exact/grid.h"
+#include "exact/integers.h"
 
 /* 1 / D, and the error of a quotient by D that comes from D, relative to the quotient. */
 struct denominator {
@@ -134,68 +134,6 @@ int mlrt_comes_first(const float origin[3], const float direction[3], const stru
     return (is_tie & wins_tie) | ((is_tie ^ 1) & (later < 0));
 }
 
-/* The float nearest to x / d. The quotient is not negative. */
-static float round_quotient_exactly(const struct mlrt_exact *x, const struct mlrt_exact *d)
-{
-    if (x->sign == 0) return 0;
-    // The relative errors are 2^-51 at most for each conversion and u for the division: below 2^-49 together.
-    double quotient = fabs(mlrt_exact_to_double(x) / mlrt_exact_to_double(d));
-    float low = (float)(quotient * (1 - 0x1p-49));
-    float high = (float)(quotient * (1 + 0x1p-49));
-    if (low == high) return low;
-
-    // Neighbours. Quotients round to inf from midway between FLT_MAX and 2^128 on, as if 2^128 were the next float.
-    double midpoint = 0.5 * ((double)low + (high > FLT_MAX ? 0x1p128 : (double)high));
-    struct mlrt_exact exact_midpoint, threshold;
-    mlrt_exact_from_double(midpoint, &exact_midpoint);
-    mlrt_exact_multiply(&exact_midpoint, d, &threshold);
-    int order = mlrt_exact_compare_magnitude(x, &threshold);
-    if (order != 0) return order < 0 ? low : high;
-    uint32_t low_bits;
-    memcpy(&low_bits, &low, sizeof low_bits);
-    return low_bits % 2 == 0 ? low : high;
-}
-
-/* Sets *result to the float that all numbers within 2^-49 of the quotient round to. Returns 0 if there is none. */
-static int round_close_quotient(double quotient, float *result)
-{
-    *result = (float)(quotient * (1 + 0x1p-48));
-    return (float)(quotient * (1 - 0x1p-48)) == *result;
-}
-
-/* Sets those of the outputs that grid.h determines. Returns the others. */
-static uint32_t report_hit_on_grid(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
-                                   uint32_t outputs, struct mlrt_hit_report *report)
-{
-    double quotient[3];
-    float u, v;
-    if (!(outputs & (MLRT_OUTPUT_T | MLRT_OUTPUT_UV)) || !mlrt_grid_quotients(ray, triangle, quotient)) return outputs;
-    if (outputs & MLRT_OUTPUT_T && round_close_quotient(quotient[0], &report->t)) outputs &= ~(uint32_t)MLRT_OUTPUT_T;
-    if (outputs & MLRT_OUTPUT_UV && round_close_quotient(quotient[1], &u) && round_close_quotient(quotient[2], &v)) {
-        report->u = u;
-        report->v = v;
-        outputs &= ~(uint32_t)MLRT_OUTPUT_UV;
-    }
-    return outputs;
-}
-
-static MLRT_NOINLINE void report_hit_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
-                                             uint32_t outputs, struct mlrt_hit_report *report)
-{
-    outputs = report_hit_on_grid(ray, triangle, outputs, report);
-    if (!outputs) return;
-    struct mlrt_exact x, d;
-    mlrt_exact_crossing(ray, triangle, &d, &x);
-    if (outputs & MLRT_OUTPUT_FACING) report->facing = d.sign;
-    if (outputs & MLRT_OUTPUT_T) report->t = round_quotient_exactly(&x, &d);
-    if (outputs & MLRT_OUTPUT_UV) {
-        mlrt_exact_edge(ray, triangle->v[2], triangle->v[0], &x);
-        report->u = round_quotient_exactly(&x, &d);
-        mlrt_exact_edge(ray, triangle->v[0], triangle->v[1], &x);
-        report->v = round_quotient_exactly(&x, &d);
-    }
-}
-
 /* Sets *result to the float that every number of the enclosure rounds to. Returns 0 if there is none. */
 MLRT_INLINE int round_enclosure(struct enclosure enclosure, float *result)
 {
@@ -231,7 +169,7 @@ void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_trian
     struct mlrt_operands operands = mlrt_load_operands(ray->origin, ray->direction, triangle->v[0], 1);
     struct mlrt_crossing crossing = mlrt_measure_crossing(&operands);
     if (MLRT_UNLIKELY(!is_safe_denominator(crossing.d))) {
-        report_hit_exactly(ray, triangle, outputs, report);
+        mlrt_exact_report(ray, triangle, outputs, report);
         return;
     }
     struct denominator d = invert(crossing.d);
@@ -249,5 +187,5 @@ void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_trian
         both &= round_enclosure(enclose_quotient(edges.ab, d), &report->v);
         if (!both) undecided |= MLRT_OUTPUT_UV;
     }
-    if (MLRT_UNLIKELY(undecided != 0)) report_hit_exactly(ray, triangle, undecided, report);
+    if (MLRT_UNLIKELY(undecided != 0)) mlrt_exact_report(ray, triangle, undecided, report);
 }
