@@ -41,6 +41,7 @@ FLAGS = {
     "simd/sse.h": ["-msse2"],
     "simd/avx2.h": ["-mavx2", "-mfma"],
     "simd/avx512.h": ["-mavx512f", "-mavx512dq"],
+    "simd/intrinsics.h": ["-msse2", "-include", "simd/sse.h"],
 }
 
 SOURCE = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "src")

@@ -6,7 +6,6 @@
 #ifndef MLRT_EXACT_INTEGERS_H
 #define MLRT_EXACT_INTEGERS_H
 
-#include "exact/quotients.h"
 #include "exact/segment.h"
 #include "exact/triangle.h"
 
@@ -26,7 +25,7 @@ int mlrt_exact_sign_beyond(const struct mlrt_ray_segment *ray, const struct mlrt
 int mlrt_exact_order(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
                      const struct mlrt_triangle *second);
 
-/* As mlrt_report_hit. */
+/* As mlrt_report_hit (quotients.h). */
 void mlrt_exact_report(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, uint32_t outputs,
                        struct mlrt_hit_report *report);
 

@@ -165,8 +165,8 @@ int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_tri
 
 /*
  * The move of the origin changes an edge function by -((v_j - v_i) x d) . (e, e^2, e^3), so the first component that is
- * not 0 decides for an edge function that is 0. If all are 0, the ray is parallel to the edge and D is 0: then the ray did
- * not hit the triangle.
+ * not 0 decides for an edge function that is 0. If all are 0, the ray is parallel to the edge and D is 0: then the ray
+ * did not hit the triangle.
  */
 static MLRT_NOINLINE int crosses_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle)
 {

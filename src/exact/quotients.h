@@ -28,14 +28,6 @@ void mlrt_bound_distance(const struct mlrt_ray_segment *ray, const struct mlrt_t
 #define MLRT_DENOMINATOR_ERROR (9 * MLRT_UNIT_ROUNDOFF)
 #define MLRT_LEAST_DENOMINATOR 0x1p-44
 
-/* Rule R5: t, u, v of a hit, each the exact quotient rounded once to the nearest float (ties to even). */
-struct mlrt_hit_report {
-    float t;
-    float u;
-    float v;
-    int32_t facing; /* sign of d . n */
-};
-
 /*
  * Sets the fields of *report that `outputs` asks for (MLRT_OUTPUT_T, _UV, _FACING or-ed together), for a triangle that
  * the ray hits; so t, u, v are not negative. The other fields stay as they are.

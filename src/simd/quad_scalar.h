@@ -69,27 +69,11 @@ MLRT_INLINE int f4_are_within(f4 a, f4 b, float lo, float hi)
 MLRT_INLINE f4 f4_three(const float *p) { return (f4){{p[0], p[1], p[2], p[2]}}; }
 /* lanes 1, 2, 3, 3 of a */
 MLRT_INLINE f4 f4_rest(f4 a) { return (f4){{a.x[1], a.x[2], a.x[3], a.x[3]}}; }
-/* a where the sign bit of `sign` is set, else b */
-MLRT_INLINE f4 f4_by_sign(f4 sign, f4 a, f4 b)
-{
-    f4 c;
-    for (int i = 0; i < 4; ++i) c.x[i] = signbit(sign.x[i]) ? a.x[i] : b.x[i];
-    return c;
-}
 /* a, but NaN where the sign bit of `sign` is set */
 MLRT_INLINE f4 f4_hide(f4 a, f4 sign)
 {
     for (int i = 0; i < 4; ++i) a.x[i] = signbit(sign.x[i]) ? NAN : a.x[i];
     return a;
-}
-/* `so_far` in the lanes where the words at p are those of a, else 0 */
-MLRT_INLINE f4 f4_and_same(f4 so_far, const void *p, f4 a)
-{
-    uint32_t words[4], wanted[4];
-    memcpy(words, p, sizeof words);
-    memcpy(wanted, a.x, sizeof wanted);
-    for (int i = 0; i < 4; ++i) so_far.x[i] = words[i] == wanted[i] ? so_far.x[i] : 0;
-    return so_far;
 }
 /* bits of the lanes with a sign bit */
 MLRT_INLINE unsigned f4_signs(f4 a)

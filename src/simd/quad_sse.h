@@ -47,15 +47,6 @@ MLRT_INLINE f4 f4_three(const float *p)
     return _mm_shuffle_ps(_mm_unpacklo_ps(x, y), z, _MM_SHUFFLE(0, 0, 1, 0));
 }
 MLRT_INLINE f4 f4_rest(f4 a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 2, 1)); }
-MLRT_INLINE f4 f4_by_sign(f4 sign, f4 a, f4 b)
-{
-    const __m128 mask = _mm_castsi128_ps(_mm_srai_epi32(_mm_castps_si128(sign), 31));
-    return _mm_or_ps(_mm_and_ps(mask, a), _mm_andnot_ps(mask, b));
-}
-MLRT_INLINE f4 f4_and_same(f4 so_far, const void *p, f4 a)
-{
-    return _mm_and_ps(so_far, _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_loadu_si128(p), _mm_castps_si128(a))));
-}
 MLRT_INLINE unsigned f4_signs(f4 a) { return (unsigned)_mm_movemask_ps(a); }
 MLRT_INLINE f4 f4_add(f4 a, f4 b) { return _mm_add_ps(a, b); }
 MLRT_INLINE f4 f4_sub(f4 a, f4 b) { return _mm_sub_ps(a, b); }
@@ -109,15 +100,21 @@ MLRT_INLINE f4 f4_high(f4 a, f4 b) { return _mm_movehl_ps(b, a); }
 MLRT_INLINE f4 f4_evens(f4 a, f4 b) { return _mm_shuffle_ps(a, b, _MM_SHUFFLE(2, 0, 2, 0)); }
 MLRT_INLINE f4 f4_odds(f4 a, f4 b) { return _mm_shuffle_ps(a, b, _MM_SHUFFLE(3, 1, 3, 1)); }
 /* For v_quads_at and its like: four words at p; two words of two elements; one word of two elements in two rows. */
-MLRT_INLINE __m128 quad_at(const unsigned char *p) { return _mm_loadu_ps((const float *)(const void *)p); }
-MLRT_INLINE __m128 pairs_at(const unsigned char *p, size_t step)
+typedef f4 quad_load(const unsigned char *p, size_t step, size_t row_step);
+MLRT_INLINE f4 quad_at(const unsigned char *p, size_t step, size_t row_step)
 {
+    (void)step, (void)row_step;
+    return _mm_loadu_ps((const float *)(const void *)p);
+}
+MLRT_INLINE f4 pairs_at(const unsigned char *p, size_t step, size_t row_step)
+{
+    (void)row_step;
     const __m128 first = _mm_castsi128_ps(_mm_loadl_epi64((const void *)p));
     return _mm_loadh_pi(first, (const void *)(p + step));
 }
-MLRT_INLINE __m128 square_at(const unsigned char *p, size_t step, size_t row_step)
+MLRT_INLINE f4 square_at(const unsigned char *p, size_t step, size_t row_step)
 {
-    if (step == sizeof(float)) return pairs_at(p, row_step);
+    if (step == sizeof(float)) return pairs_at(p, row_step, step);
     const __m128 upper = _mm_unpacklo_ps(_mm_load_ss((const void *)p), _mm_load_ss((const void *)(p + step)));
     p += row_step;
     return _mm_movelh_ps(upper, _mm_unpacklo_ps(_mm_load_ss((const void *)p), _mm_load_ss((const void *)(p + step))));

@@ -9,9 +9,8 @@
  * - A lane of a mask is all ones or all zeros. m_bits has lane i in bit i.
  * - v_mul_add is a b + c, and v_mul_sub a b - c, with one rounding or two: only code with bounds for both may use them.
  * - v_hmin is the least lane of a vector, v_hmax the greatest; v_hmin4 has the least lanes of four vectors.
- * - vd is a vector of DW doubles, which are loaded from floats, and rounded to floats when stored. d_first is lane 0,
- *   not rounded. d_mul_add and d_mul_sub have one rounding or two, like v_mul_add. In the bits that d_gt returns and
- *   d_select takes, lane i is bit i.
+ * - vd is a vector of DW doubles, which are loaded from floats, and rounded to floats when stored. d_mul_add and
+ *   d_mul_sub have one rounding or two, like v_mul_add. In the bits of d_gt and d_select, lane i is bit i.
  * - v_store_rows stores the words of four packets side by side: four rows of sixteen, `row_stride` bytes apart. The
  *   words of packet i are at first + i * distance; its lanes are squares of 2x2 elements (rays/packet.h).
  * - v_triples_at, v_quads_at, v_floats_at and i_pairs_at load three, four, one or two words of each lane, one vector
@@ -132,7 +131,6 @@ MLRT_INLINE void i_pairs_at(const unsigned char *p, size_t step, size_t row_step
 MLRT_INLINE vd d_set1(double a) { return a; }
 MLRT_INLINE vd d_load(const float *p) { return *p; }
 MLRT_INLINE void d_store(float *p, vd a) { *p = (float)a; }
-MLRT_INLINE double d_first(vd a) { return a; }
 MLRT_INLINE vd d_add(vd a, vd b) { return a + b; }
 MLRT_INLINE vd d_sub(vd a, vd b) { return a - b; }
 MLRT_INLINE vd d_mul(vd a, vd b) { return a * b; }

@@ -109,7 +109,6 @@ static void run_doubles(const struct word_input *in, int lane, struct word_outpu
     const vd near = d_mul(quotient, d_set1(1 + 0x1p-24)), nearer = d_mul(quotient, d_set1(1 + 0x1p-25));
     d_store(out->values[WORD_DOUBLE_SET1] + lane, d_set1((double)in->a[0] + 0x1p-30));
     d_store(out->values[WORD_DOUBLE_LOAD] + lane, a);
-    if (lane == 0) out->values[WORD_DOUBLE_FIRST][0] = (float)d_first(d_add(quotient, b));
     d_store(out->values[WORD_DOUBLE_ADD] + lane, d_add(quotient, b));
     d_store(out->values[WORD_DOUBLE_SUB] + lane, d_sub(quotient, b));
     d_store(out->values[WORD_DOUBLE_MUL] + lane, nearer);
@@ -143,7 +142,6 @@ static void run_quad(const struct word_input *in, int v, struct word_output *out
     for (unsigned i = 0, same = f4_same_words(in->bits_a + v, in->bits_b[v]); i < 4; ++i) {
         out->integers[WORD_QUAD_SAME_WORDS][(unsigned)v + i] = (same >> i & 1) | same >> 4;
     }
-    f4_store(out->values[WORD_QUAD_AND_SAME] + v, f4_and_same(a, (const char *)in->b + 4 * v, a));
     for (unsigned i = 0; i < 4; ++i) {
         out->integers[WORD_QUAD_SIGNS][(unsigned)v + i] = (f4_signs(a) >> i & 1) | f4_signs(b) >> 4;
     }

@@ -70,7 +70,6 @@ enum {
     /* doubles, rounded to floats */
     WORD_DOUBLE_SET1,
     WORD_DOUBLE_LOAD,
-    WORD_DOUBLE_FIRST,
     WORD_DOUBLE_ADD,
     WORD_DOUBLE_SUB,
     WORD_DOUBLE_MUL,
@@ -103,7 +102,6 @@ enum {
     WORD_QUAD_CORNERS,
     WORD_QUAD_ANY,
     WORD_QUAD_SAME_WORDS,
-    WORD_QUAD_AND_SAME,
     WORD_QUAD_SIGNS,
     WORD_QUAD_LOW,
     WORD_QUAD_HIGH,
