@@ -21,6 +21,7 @@ import argparse
 import csv
 import math
 import os
+import re
 import shutil
 import statistics
 import subprocess
@@ -96,11 +97,18 @@ def make_with(name, macros, target, jobs):
     shutil.rmtree(folder, ignore_errors=True)
     for part in ("obj", "examples"):
         shutil.copytree(os.path.join("build", part), os.path.join(folder, part))
-    flags = " ".join(f"-DMLRT_{macro}={value}" for macro, value in macros.items())
+    with open(os.path.join("src", "base", "tuning.h")) as text:
+        tuning = text.read()
+    for macro, value in macros.items():
+        tuning, count = re.subn(rf"^(#define MLRT_{macro} +).*", rf"\g<1>{value}", tuning, flags=re.M)
+        assert count == 1, macro
+    os.makedirs(os.path.join(folder, "src", "base"))
+    with open(os.path.join(folder, "src", "base", "tuning.h"), "w") as text:
+        text.write(tuning)
     changed = [word for source in changed_sources(macros) for word in ("-W", source)]
     path = os.path.join(folder, target)
     make = ["make", "--no-print-directory", f"-j{jobs}"] + changed
-    subprocess.run(make + [f"BUILD={folder}", f"CPPFLAGS={flags}", path], check=True, stdout=sys.stderr)
+    subprocess.run(make + [f"BUILD={folder}", f"CPPFLAGS=-I{folder}/src", path], check=True, stdout=sys.stderr)
     return path
 
 

@@ -70,14 +70,6 @@ static const struct preset PRESETS[] = {
  */
 static const struct mlrt_bvh_costs COSTS = {1.0f, 1.0f, MLRT_TRIANGLE_COST};
 
-/*
- * A spatial split is used if its cost is below this part of the best other split's. In scenes of regular parts both
- * often cost about the same, and spatial splits only add references: with 1, erw10 (a room of equal squares) takes 3.79
- * nodes and 2.85 leaves per packet, with 0.99 and 0.97 it takes 3.53 and 2.94. 0.9 is too low: a building (clinic) then
- * takes 8.3 nodes instead of 6.1.
- */
-#define PLANE_GAIN MLRT_PLANE_GAIN
-
 /* References per leaf, on average, that the budget allows for: so building takes 104 / 4 bytes of nodes for each. */
 #define LEAF_SHARE (MLRT_LEAF_TRIANGLES / 4)
 
@@ -447,7 +439,7 @@ static void choose(struct build *build, struct portion *portion, struct mlrt_bvh
     if (portion->failed_count > build->preset->failure_limit) return;
     find_split(build, portion, MLRT_SPLIT_BY_PLANE, &plane);
     portion->failed_count++;
-    if (!(plane.cost < PLANE_GAIN * split->cost)) return;
+    if (!(plane.cost < MLRT_PLANE_GAIN * split->cost)) return;
     *split = plane;
     portion->failed_count = 0;
 }
