@@ -4,7 +4,6 @@
  */
 #include "invariants.h"
 
-#include "bvh/check.h"
 #include "bvh/node.h"
 #include "mlrta/kdtree.h"
 

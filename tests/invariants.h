@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * All invariants of trees, for points of each triangle that are exact in double: its vertices, and where possible
- * points of its edges and inside. What loading checks (bvh/check.h, mlrta/check.h) is part of it.
+ * points of its edges and inside. What loading checks (bvh/check.c, mlrta/check.c) is part of it.
  */
 #ifndef INVARIANTS_H
 #define INVARIANTS_H

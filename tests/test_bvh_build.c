@@ -14,8 +14,6 @@
 #include <float.h>
 #include <math.h>
 
-#include "bvh/build.h"
-#include "bvh/check.h"
 #include "bvh/node.h"
 #include "job/structure.h"
 #include "invariants.h"

@@ -12,11 +12,9 @@
 #include <string.h>
 #include <sys/mman.h>
 
-#include "bvh/check.h"
 #include "forged_files.h"
 #include "invariants.h"
 #include "bvh/node.h"
-#include "bvh/places.h"
 #include "job/structure.h"
 #include "mlrta/kdtree.h"
 #include "support.h"

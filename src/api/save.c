@@ -25,7 +25,7 @@
  *     7        448 box_node_count           hierarchy of boxes: nodes in units, see bvh/node.h
  *     8        144 quad_count + 64          hierarchy of boxes: corners, in leaves in units, see bvh/unit.h
  *     9         16 quad_count + 64          hierarchy of boxes: numbers
- *     10         4 place_count              hierarchy of boxes: the place of each triangle, see bvh/places.h
+ *     10         4 place_count              hierarchy of boxes: the place of each triangle, see bvh/node.h
  *                                           (place_count = triangle_count), or none
  *
  * Sections 8 and 9 end with 16 elements without a meaning, because vectors may read beyond the last quad. If

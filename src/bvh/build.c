@@ -24,7 +24,7 @@
  *   References. A set has spare places behind its references (spatial splits make more of these), and a split is not
  *   made if it needs more.
  */
-#include "bvh/build.h"
+#include "bvh/node.h"
 
 #include <math.h>
 #include <string.h>
@@ -33,9 +33,7 @@
 #include "base/progress.h"
 #include "base/scheduler.h"
 #include "base/tuning.h"
-#include "bvh/check.h"
 #include "bvh/collapse.h"
-#include "bvh/places.h"
 #include "bvh/split.h"
 #include "bvh/unit.h"
 #include "exact/predicate.h"

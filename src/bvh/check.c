@@ -1,16 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Statistics and invariants of a hierarchy of boxes: see check.h. mlrt_check_boxes walks the hierarchy without
- * recursion, because one that is wrong may have no end.
- */
-#include "bvh/check.h"
+/* Statistics and invariants of a hierarchy of boxes: see node.h. */
+#include "bvh/node.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "base/hash.h"
-#include "base/progress.h"
-#include "bvh/node.h"
 #include "bvh/split.h"
 #include "bvh/unit.h"
 
@@ -185,12 +180,9 @@ static const char *check_leaf(const struct mlrt_tree *tree, uint32_t child, uint
     return NULL;
 }
 
-/* The state of a walk in depth-first order. */
+/* What comes next in depth-first order. */
 struct walk {
-    uint32_t node[MLRT_BVH_DEPTH_LIMIT + 1]; /* the path from the root */
-    int slot[MLRT_BVH_DEPTH_LIMIT + 1];      /* the next slot to visit, for each node of the path */
-    uint32_t depth;
-    uint32_t next_node; /* the node and the quad that depth-first order has next */
+    uint32_t next_node;
     uint32_t next_quad;
     uint32_t placed_count; /* triangles that have their place in the leaves so far */
 };
@@ -214,7 +206,10 @@ static int is_box_within(const struct mlrt_bvh_node *node, int slot, const struc
     return 1;
 }
 
-static const char *check_slot(const struct mlrt_tree *tree, struct walk *walk, uint32_t child)
+static const char *check_node(const struct mlrt_tree *tree, uint32_t depth, struct walk *walk);
+
+/* Checks a child of a node at a depth. */
+static const char *check_child(const struct mlrt_tree *tree, uint32_t child, uint32_t depth, struct walk *walk)
 {
     if (is_leaf(child)) {
         uint32_t quad_count = mlrt_bvh_quad_count(child);
@@ -226,11 +221,20 @@ static const char *check_slot(const struct mlrt_tree *tree, struct walk *walk, u
     }
     if (mlrt_bvh_offset(child) != walk->next_node || walk->next_node >= tree->bvh.node_count)
         return "B1: a child is not where depth-first order has it";
-    if (walk->depth + 1 >= MLRT_BVH_DEPTH_LIMIT) return "B4: a path is too long";
-    walk->depth++;
-    walk->node[walk->depth] = walk->next_node++;
-    walk->slot[walk->depth] = 0;
-    return NULL;
+    return depth < MLRT_BVH_DEPTH_LIMIT ? check_node(tree, depth + 1, walk) : "B4: a path is too long";
+}
+
+/* Checks the next node and all below it. It ends, since children must lie behind their parents. */
+static const char *check_node(const struct mlrt_tree *tree, uint32_t depth, struct walk *walk)
+{
+    const struct mlrt_bvh_node *node = &tree->bvh.nodes[walk->next_node++];
+    int slot = 0;
+    for (; slot < MLRT_BVH_WIDTH && node->child[slot] != 0; slot++) {
+        if (!is_box_within(node, slot, &tree->bvh.whole)) return "B3: a box is not one, or not within the bounds";
+        const char *wrong = check_child(tree, node->child[slot], depth, walk);
+        if (wrong != NULL) return wrong;
+    }
+    return check_empty_slots(node, slot);
 }
 
 /*
@@ -254,21 +258,9 @@ static const char *check_given(const struct mlrt_tree *tree, uint32_t placed_cou
 
 const char *mlrt_check_boxes(const struct mlrt_tree *tree)
 {
-    struct walk walk = {{0}, {0}, 0, 1, 0, 0};
-    if (tree->bvh.node_count == 0) return check_given(tree, 0);
-    for (;;) {
-        const struct mlrt_bvh_node *node = &tree->bvh.nodes[walk.node[walk.depth]];
-        int slot = walk.slot[walk.depth]++;
-        const char *wrong = NULL;
-        if (slot < MLRT_BVH_WIDTH && node->child[slot] != 0) {
-            wrong = is_box_within(node, slot, &tree->bvh.whole) ? check_slot(tree, &walk, node->child[slot])
-                                                                : "B3: a box is not one, or not within the bounds";
-        } else {
-            wrong = check_empty_slots(node, slot);
-            if (wrong == NULL && walk.depth-- == 0) break;
-        }
-        if (wrong != NULL) return wrong;
-    }
+    struct walk walk = {0, 0, 0};
+    const char *wrong = tree->bvh.node_count > 0 ? check_node(tree, 1, &walk) : NULL;
+    if (wrong != NULL) return wrong;
     if (walk.next_node != tree->bvh.node_count) return "B1: there are nodes without a parent";
     if (walk.next_quad != tree->bvh.leaf_quad_count) return "there are quads without a leaf";
     return check_given(tree, walk.placed_count);

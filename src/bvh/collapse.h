@@ -9,10 +9,8 @@
 #ifndef MLRT_BVH_COLLAPSE_H
 #define MLRT_BVH_COLLAPSE_H
 
-#include "base/progress.h"
 #include "bvh/node.h"
 #include "bvh/split.h"
-#include "scene/tree.h"
 
 /*
  * A node of the binary hierarchy. Its lower child is the next one in the array.

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The hierarchy of boxes in memory: nodes of up to sixteen children, leaves of up to sixteen triangles. Boxes and
- * corners are stored as arrays of each coordinate, so that one vector operation tests as many of them as it has lanes.
- * These invariants always hold; check.c verifies them.
+ * The hierarchy of boxes in memory, its invariants, and the functions that build it, check it, and trace a ray through
+ * it.
+ *
+ * Nodes have up to sixteen children, leaves up to sixteen triangles. Boxes and corners are stored as arrays of each
+ * coordinate, so that one vector operation tests as many of them as it has lanes.
  *
  *   B1. The root is nodes[0]; a hierarchy over no triangles has no nodes. Children lie behind their parent, every node
  *       but the root has one parent, and nodes lie in depth-first order.
@@ -17,11 +19,20 @@
  *       behind the last triangle have the number MLRT_NONE and corners that are NaN. The corners of odd triangles
  *       (unit.h) are NaN too.
  *
+ * Leaves have the corners of their triangles, so the tree keeps no other copy, but for each triangle a place in a leaf.
+ * Triangles that no leaf has, or none as they were given, have places in quads of their own behind those of leaves: those
+ * that are left out, and odd ones (unit.h). A hierarchy of MLRT_PLACE_QUADS quads and more keeps the array
+ * tree->triangles, and has no places.
+ *
+ *   P1. If tree->bvh.places is not NULL, the place of triangle i is in the first bvh.quad_count quads, and bvh.numbers
+ *       has i there. The place is in a leaf, and the triangle is neither odd nor left out, or it is in one of the quads
+ *       behind leaves, where corners are as they were given.
+ *
  * For a leaf with q quads from quad f on, the numbers start at numbers[4 f]. Row 3 i + k of its corners, coordinate k
  * of corner i of its 4 q places, starts at corners[36 f + 4 q (3 i + k)]. Kernels may read both arrays up to 16
  * elements behind the leaf, but do not use these elements.
  *
- * Boxes and corners are in units (unit.h). The arrays also have quads of no leaf, behind those of leaves (places.h).
+ * Boxes and corners are in units (unit.h).
  */
 #ifndef MLRT_BVH_NODE_H
 #define MLRT_BVH_NODE_H
@@ -29,6 +40,9 @@
 #include <stdint.h>
 
 #include "base/platform.h"
+#include "base/progress.h"
+#include "exact/hit_list.h"
+#include "scene/tree.h"
 
 #define MLRT_BVH_WIDTH       16
 #define MLRT_BVH_DEPTH_LIMIT 32
@@ -55,5 +69,94 @@ static inline uint32_t mlrt_bvh_offset(uint32_t child)
 {
     return child >> 3;
 }
+
+/* ---- build.c ------------------------------------------------------------------------------------------------------ */
+
+/*
+ * On entry, tree->triangles and triangle_count are set and the rest is 0, `options` is checked (or NULL), and the
+ * floating-point environment is the library's. Returns a status. With MLRT_OK, tree->bvh, bounds and tree->info are set,
+ * except what of info the caller knows. After an error the hierarchy is empty, and tree->memory holds what it held on
+ * entry. MLRT_ERROR_TOO_LARGE: more nodes or quads than there are bits for. Adds about MLRT_BVH_WORK per triangle to
+ * `progress` (NULL = none).
+ */
+int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options, struct mlrt_progress *progress);
+
+/* The work per triangle, where copying a triangle is 1 (MLRT_COPY_WORK, scene/meshes.h). */
+#define MLRT_BVH_WORK 10.0
+
+/*
+ * About how many bytes a hierarchy of mlrt_build_bvh takes when it is finished, and at most while it is built, with an
+ * mlrt_tree_options that was checked.
+ */
+struct mlrt_demand mlrt_foresee_bvh(const void *tree_options, uint32_t triangle_count);
+
+/* Frees the hierarchy of mlrt_build_bvh. tree->bvh is empty then. */
+void mlrt_free_bvh(struct mlrt_tree *tree);
+
+/* ---- places.c ----------------------------------------------------------------------------------------------------- */
+
+/* How many quads have to be behind those of leaves. tree->info must have the counts of triangles left out. */
+uint32_t mlrt_count_given_quads(const struct mlrt_tree *tree);
+
+/*
+ * Writes the quads behind leaves, and the places of their triangles: of those that have MLRT_NONE, which is no place.
+ * The others have theirs from leaves.
+ */
+void mlrt_write_given(struct mlrt_tree *tree);
+
+/* If a tree has places, frees its array of triangles in order, so that they are read by their places. */
+void mlrt_drop_order(struct mlrt_tree *tree);
+
+/* Lets tree->by_number read triangles by their places. */
+void mlrt_read_by_places(struct mlrt_tree *tree);
+
+/*
+ * Checks that places are within the quads: then mlrt_triangle_at may be called. Returns NULL or the error, a static
+ * string.
+ */
+const char *mlrt_check_places(const struct mlrt_tree *tree);
+
+/* ---- check.c ------------------------------------------------------------------------------------------------------ */
+
+/*
+ * A finished hierarchy is measured in parts, each a share of the nodes and of the numbers in leaves. How many they are
+ * does not depend on threads, so sums of doubles do not, either.
+ */
+#define MLRT_BVH_PART_LIMIT 64
+
+struct mlrt_bvh_costs; /* set.h */
+
+struct mlrt_bvh_part {
+    double cost; /* sum of cost times area of the children of its nodes */
+    uint64_t leaf_count;
+    uint64_t reference_count;
+    uint64_t hash;
+};
+
+/* The number of parts, at most MLRT_BVH_PART_LIMIT. */
+uint32_t mlrt_count_parts(const struct mlrt_bvh *bvh);
+
+/* Measures a part. If the call is cancelled meanwhile, values may be wrong. */
+void mlrt_measure_part(const struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, uint32_t number,
+                       struct mlrt_progress *progress, struct mlrt_bvh_part *part);
+
+/*
+ * Sets the members of tree->info that follow from the hierarchy and all its parts, except depth: the counts of nodes,
+ * leaves and references, tree_hash, sah_cost (in units of costs->node), and the bounds.
+ */
+void mlrt_join_parts(const struct mlrt_bvh_part *parts, const struct mlrt_bvh_costs *costs, struct mlrt_tree *tree);
+
+/*
+ * Checks that tracing any ray through the hierarchy is safe: all invariants, but of B3 only that boxes lie within the
+ * bounds. Relies on nothing but the lengths of the arrays, finite bounds, and the counts of triangles left out. Returns
+ * NULL, or a static string with the first error. Takes linear time.
+ */
+const char *mlrt_check_boxes(const struct mlrt_tree *tree);
+
+/* ---- ray.c -------------------------------------------------------------------------------------------------------- */
+
+/* Traces one ray in double: trace_ray of the structure (job/structure.h). */
+uint32_t mlrt_trace_boxes(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip, int any,
+                          struct mlrt_hit_list *list, mlrt_counters *counters);
 
 #endif

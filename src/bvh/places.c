@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Triangles by number in a hierarchy of boxes: see places.h. */
-#include "bvh/places.h"
+/* Triangles by number in a hierarchy of boxes: see node.h. */
+#include "bvh/node.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "bvh/node.h"
 #include "bvh/unit.h"
 
 uint32_t mlrt_count_given_quads(const struct mlrt_tree *tree)

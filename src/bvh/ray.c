@@ -8,14 +8,11 @@
  * is exact. Boxes are scaled out of their units (unit.h), which is exact in double too. Bounds may be infinite, but
  * never the one that the ray comes to first on the side that it comes from.
  */
-#include "bvh/ray.h"
-
 #include "bvh/node.h"
-#include "exact/hit_list.h"
+
 #include "exact/nearest.h"
 #include "exact/ray_interval.h"
 #include "scene/masks.h"
-#include "scene/tree.h"
 
 /* A child that the ray can meet, from t = enter on. */
 struct pending {

@@ -75,7 +75,7 @@ MLRT_INLINE void store_box(const struct growing_box *box, struct mlrt_quad_box *
  * A reference is the box of a triangle, or of a part of one, that is to be put into a leaf. The fourth element of its
  * lo has the bits of the triangle's number | 2^30: as a float its magnitude is at least 2, not denormal, so arithmetic
  * on all four elements runs at full speed. Of the parts of a triangle all but one are copies, with one bit more: the
- * leaf of the other is the triangle's place (places.h).
+ * leaf of the other is the triangle's place (node.h).
  */
 #define MLRT_REFERENCE_MARK 0x40000000u
 #define MLRT_REFERENCE_COPY 0x80000000u

@@ -1,49 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Statistics of a tree and its invariants: see check.h. Neither walk is recursive: in a damaged tree a recursion might
- * never end.
- */
+/* Statistics of a tree and its invariants: see kdtree.h. */
 #include "mlrta/kdtree.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "base/progress.h"
 #include "exact/predicate.h"
 #include "mlrta/split.h"
 
-/* A node to visit, with its cell. */
-struct visit {
-    uint32_t node;
-    uint32_t depth;
-    struct mlrt_box cell;
-};
-
-/* The nodes that wait to be visited: at most one upper child per level, and both children of the deepest node. */
-struct walk {
-    struct visit waiting[MLRT_DEPTH_LIMIT + 2];
-    uint32_t count;
-};
-
-static void start_walk(const struct mlrt_tree *tree, struct walk *walk)
+/* Sets the cells of a node's children. */
+static void split_cell(const struct mlrt_node *node, const struct mlrt_box *cell, struct mlrt_box children[2])
 {
-    walk->waiting[0].node = 0;
-    walk->waiting[0].depth = 0;
-    walk->waiting[0].cell = tree->bounds;
-    walk->count = 1;
-}
-
-/* Makes the children of an inner node those that are visited next, the lower one first. */
-static void push_children(const struct mlrt_tree *tree, const struct visit *parent, struct walk *walk)
-{
-    const struct mlrt_node *node = &tree->kdtree.nodes[parent->node];
-    uint32_t axis = mlrt_node_axis(node);
-    struct visit *above = &walk->waiting[walk->count++], *below = &walk->waiting[walk->count++];
-    *above = *below = *parent;
-    above->node = mlrt_node_child(node) + 1;
-    below->node = mlrt_node_child(node);
-    above->depth = below->depth = parent->depth + 1;
-    above->cell.lo[axis] = below->cell.hi[axis] = node->u.split;
+    const uint32_t axis = mlrt_node_axis(node);
+    children[0] = children[1] = *cell;
+    children[0].hi[axis] = children[1].lo[axis] = node->u.split;
 }
 
 /* ---- statistics ---------------------------------------------------------------------------------------------- */
@@ -83,85 +53,95 @@ void mlrt_find_float_safety(struct mlrt_tree *tree)
     tree->kdtree.float_safe = is_safe;
 }
 
+/* Costs, the area of the scene, and the sum of costs times area so far. */
+struct measure {
+    double traversal_cost, intersection_cost, area, cost;
+};
+
+/* Adds a node and all below it to tree->info and to the sum. Returns 0 if the call is cancelled. */
+static int measure_node(struct mlrt_tree *tree, uint32_t number, uint32_t depth, const struct mlrt_box *cell,
+                        struct mlrt_progress *progress, struct measure *measure)
+{
+    const struct mlrt_node *node = &tree->kdtree.nodes[number];
+    const double part = measure->area > 0 ? mlrt_half_area(cell) / measure->area : 1;
+    struct mlrt_box children[2];
+    if (mlrt_is_cancelled_in_round(progress, number + 1)) return 0;
+    tree->info.depth = depth > tree->info.depth ? depth : tree->info.depth;
+    if (mlrt_node_is_leaf(node)) {
+        tree->info.leaf_count++;
+        tree->info.empty_leaf_count += mlrt_leaf_count(node) == 0;
+        measure->cost += part * measure->intersection_cost * (double)mlrt_leaf_count(node);
+        return 1;
+    }
+    measure->cost += part * measure->traversal_cost;
+    split_cell(node, cell, children);
+    return measure_node(tree, mlrt_node_child(node), depth + 1, &children[0], progress, measure) &&
+           measure_node(tree, mlrt_node_child(node) + 1, depth + 1, &children[1], progress, measure);
+}
+
 void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double intersection_cost,
                        struct mlrt_progress *progress)
 {
     mlrt_tree_info *info = &tree->info;
-    double area = mlrt_half_area(&tree->bounds), cost = 0;
-    struct walk walk;
+    struct measure measure = {traversal_cost, intersection_cost, mlrt_half_area(&tree->bounds), 0};
     info->depth = 0;
     info->node_count = tree->kdtree.node_count;
     info->reference_count = tree->kdtree.reference_count;
     info->leaf_count = info->empty_leaf_count = 0;
     memcpy(info->bounds_min, tree->bounds.lo, sizeof info->bounds_min);
     memcpy(info->bounds_max, tree->bounds.hi, sizeof info->bounds_max);
-    for (start_walk(tree, &walk); walk.count > 0;) {
-        struct visit visit = walk.waiting[--walk.count];
-        const struct mlrt_node *node = &tree->kdtree.nodes[visit.node];
-        if (mlrt_is_cancelled_in_round(progress, visit.node + 1)) return;
-        double part = area > 0 ? mlrt_half_area(&visit.cell) / area : 1;
-        info->depth = visit.depth > info->depth ? visit.depth : info->depth;
-        if (mlrt_node_is_leaf(node)) {
-            info->leaf_count++;
-            info->empty_leaf_count += mlrt_leaf_count(node) == 0;
-            cost += part * intersection_cost * (double)mlrt_leaf_count(node);
-        } else {
-            cost += part * traversal_cost;
-            push_children(tree, &visit, &walk);
-        }
-    }
-    info->sah_cost = cost / intersection_cost;
+    if (!measure_node(tree, 0, 0, &tree->bounds, progress, &measure)) return;
+    info->sah_cost = measure.cost / intersection_cost;
     info->tree_hash = hash_tree(tree, progress);
     mlrt_find_float_safety(tree);
 }
 
 /* ---- invariants ---------------------------------------------------------------------------------------------- */
 
-/* Returns NULL, or the error. The leaf's entries must begin at `next`, behind those of all leaves before it. */
-static const char *check_leaf(const struct mlrt_tree *tree, const struct mlrt_node *leaf, uint32_t next)
+/* What comes next in depth-first order: the children of an inner node, the entries of a leaf. */
+struct walk {
+    uint32_t next, next_entry;
+};
+
+static const char *check_leaf(const struct mlrt_tree *tree, const struct mlrt_node *leaf, struct walk *walk)
 {
-    const uint32_t count = mlrt_leaf_count(leaf), *entries = tree->kdtree.references + next;
-    if (leaf->u.offset != next || count > tree->kdtree.reference_count - next)
+    const uint32_t count = mlrt_leaf_count(leaf), *entries = tree->kdtree.references + walk->next_entry;
+    if (leaf->u.offset != walk->next_entry || count > tree->kdtree.reference_count - walk->next_entry)
         return "a leaf's entries are not where depth-first order has them";
     for (uint32_t i = 0; i < count; i++) {
         if (entries[i] >= tree->triangle_count) return "an entry is not a triangle";
         if (mlrt_is_left_out(tree, entries[i])) return "a leaf refers to a triangle that was to be left out";
         if (i > 0 && entries[i - 1] >= entries[i]) return "I5: the entries of a leaf are not ascending";
     }
+    walk->next_entry += count;
     return NULL;
 }
 
-/* Returns NULL, or the error. The first child must be node `next`, the first that no node before it has as a child. */
-static const char *check_inner(const struct mlrt_tree *tree, const struct visit *visit, uint32_t next)
+/* Checks a node and all below it. It ends, since children must lie behind their parents. */
+static const char *check_node(const struct mlrt_tree *tree, uint32_t number, uint32_t depth, const struct mlrt_box *cell,
+                              struct walk *walk)
 {
-    const struct mlrt_node *node = &tree->kdtree.nodes[visit->node];
-    uint32_t axis = mlrt_node_axis(node);
-    if (mlrt_node_child(node) != next || tree->kdtree.node_count - next < 2)
+    const struct mlrt_node *node = &tree->kdtree.nodes[number];
+    const uint32_t axis = mlrt_node_axis(node), child = mlrt_node_child(node);
+    struct mlrt_box children[2];
+    if (mlrt_node_is_leaf(node)) return check_leaf(tree, node, walk);
+    if (child != walk->next || tree->kdtree.node_count - child < 2)
         return "I1: children are not where depth-first order has them";
-    if (!(visit->cell.lo[axis] <= node->u.split && node->u.split <= visit->cell.hi[axis]))
+    if (!(cell->lo[axis] <= node->u.split && node->u.split <= cell->hi[axis]))
         return "I2: a plane is outside of its cell";
-    if (visit->depth >= MLRT_DEPTH_LIMIT) return "I4: a path is too long";
-    return NULL;
+    if (depth >= MLRT_DEPTH_LIMIT) return "I4: a path is too long";
+    walk->next += 2;
+    split_cell(node, cell, children);
+    const char *wrong = check_node(tree, child, depth + 1, &children[0], walk);
+    return wrong != NULL ? wrong : check_node(tree, child + 1, depth + 1, &children[1], walk);
 }
 
 const char *mlrt_check_nodes(const struct mlrt_tree *tree)
 {
-    uint32_t next = 1, next_entry = 0;
-    struct walk walk;
+    struct walk walk = {1, 0};
     if (tree->kdtree.node_count % 2 == 0) return "I1: the number of nodes is even";
-    for (start_walk(tree, &walk); walk.count > 0;) {
-        struct visit visit = walk.waiting[--walk.count];
-        const struct mlrt_node *node = &tree->kdtree.nodes[visit.node];
-        const char *wrong =
-            mlrt_node_is_leaf(node) ? check_leaf(tree, node, next_entry) : check_inner(tree, &visit, next);
-        if (wrong != NULL) return wrong;
-        if (mlrt_node_is_leaf(node)) {
-            next_entry += mlrt_leaf_count(node);
-        } else {
-            push_children(tree, &visit, &walk);
-            next += 2;
-        }
-    }
-    if (next != tree->kdtree.node_count) return "I1: there are nodes without a parent";
-    return next_entry == tree->kdtree.reference_count ? NULL : "there are entries without a leaf";
+    const char *wrong = check_node(tree, 0, 0, &tree->bounds, &walk);
+    if (wrong != NULL) return wrong;
+    if (walk.next != tree->kdtree.node_count) return "I1: there are nodes without a parent";
+    return walk.next_entry == tree->kdtree.reference_count ? NULL : "there are entries without a leaf";
 }

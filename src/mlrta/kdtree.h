@@ -86,8 +86,7 @@ void mlrt_find_float_safety(struct mlrt_tree *tree);
 /*
  * Checks that any ray can be traced through nodes and references: all invariants but I3, leaves in depth-first order,
  * and no leaf that names a triangle that was left out. Returns NULL, or the first error as a static string. Relies only
- * on the lengths of the arrays, finite bounds, and the counts of triangles left out. Takes linear time and little
- * stack.
+ * on the lengths of the arrays, finite bounds, and the counts of triangles left out. Takes linear time.
  */
 const char *mlrt_check_nodes(const struct mlrt_tree *tree);
 

@@ -6,7 +6,7 @@
  * Triangles keep the order of the input: triangle i of mesh m has the number meshes.first[m] + i everywhere in the
  * library, so the order of numbers is the order of ties in the hit rule. Triangles that are left out (not finite, or
  * without area) are stored too, but no leaf holds them. A kd-tree keeps an array of the triangles. In a hierarchy of
- * boxes the leaves have them already (bvh/places.h).
+ * boxes the leaves have them already (bvh/node.h).
  */
 #ifndef MLRT_SCENE_TREE_H
 #define MLRT_SCENE_TREE_H

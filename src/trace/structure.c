@@ -6,11 +6,7 @@
 
 #include <string.h>
 
-#include "bvh/build.h"
-#include "bvh/check.h"
 #include "bvh/node.h"
-#include "bvh/places.h"
-#include "bvh/ray.h"
 #include "bvh/unit.h"
 #include "job/job.h"
 #include "trace/bundle.h"
