@@ -109,8 +109,7 @@ static void visit_leaf(const struct mlrt_job *job, const struct mlrt_node *leaf,
             if (setup->in_plane) continue;
         }
         COUNT(&worker->counters, triangle_test_count, 1);
-        changed |= setup ? test_triangle_from_apex(job, number, setup, group, touched, packet, worker)
-                         : test_triangle_from_anywhere(job, number, group, touched, packet, worker);
+        changed |= test_triangle(job, number, setup, group, touched, packet, worker);
     }
     if (!changed) return;
     if (job->any) group->lanes &= ~changed;

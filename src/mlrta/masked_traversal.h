@@ -105,8 +105,8 @@ MLRT_INLINE uint32_t cut_to_hits(const struct mlrt_packet *packet, int first_lan
 MLRT_INLINE uint32_t test_masked(const struct mlrt_job *job, uint32_t number, struct ray_group *group,
                                  struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    struct mlrt_triangle_setup *setup = &worker->setups->entries[0];
-    if (packet->has.apex) {
+    struct mlrt_triangle_setup *setup = packet->has.apex ? &worker->setups->entries[0] : NULL;
+    if (setup) {
         if (setup->number != number || setup->main_axis != group->axis_code || !setup->has_terms) {
             setup->number = number;
             setup->main_axis = group->axis_code;
@@ -115,8 +115,7 @@ MLRT_INLINE uint32_t test_masked(const struct mlrt_job *job, uint32_t number, st
         if (setup->in_plane) return 0;
     }
     COUNT(&worker->counters, triangle_test_count, 1);
-    return packet->has.apex ? test_triangle_from_apex(job, number, setup, group, group->lanes, packet, worker)
-                            : test_triangle_from_anywhere(job, number, group, group->lanes, packet, worker);
+    return test_triangle(job, number, setup, group, group->lanes, packet, worker);
 }
 
 /* Traces rays whose directions have the same signs. Their lanes are in the PACKET2_VECTORS from first_lane on. */

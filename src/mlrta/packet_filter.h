@@ -56,34 +56,10 @@ MLRT_INLINE void set_apex_terms(const struct mlrt_triangle_setup *setup, struct 
     terms->distance_bound = v_set1(setup->distance_bound);
 }
 
-/* The filter of builds that measure what exactness costs (MLRT_GUESS, platform.h): signs as computed, no bounds. */
-MLRT_INLINE struct verdict guess_vector(const struct triangle_terms *terms, const struct mlrt_packet *packet, int v,
-                                        vm active)
-{
-    const vf d[3] = {v_load(packet->direction[0] + v), v_load(packet->direction[1] + v),
-                     v_load(packet->direction[2] + v)};
-    const vf zero = v_set1(0);
-    const vf ab = dot_product(d, terms->cross[0]), bc = dot_product(d, terms->cross[1]),
-             ca = dot_product(d, terms->cross[2]);
-    const vm above = m_and(m_and(v_ge(ab, zero), v_ge(bc, zero)), v_ge(ca, zero));
-    const vm below = m_and(m_and(v_le(ab, zero), v_le(bc, zero)), v_le(ca, zero));
-    struct verdict verdict;
-    verdict.nearer = m_and(active, m_or(above, below));
-    verdict.undecided = verdict.inside = m_andnot(active, active);
-    verdict.lo = verdict.hi = zero;
-    if (!m_bits(verdict.nearer)) return verdict;
-    const vf t = v_div(terms->distance, dot_product(d, terms->cross[3]));
-    verdict.lo = verdict.hi = t;
-    verdict.nearer =
-        m_and(verdict.nearer, m_and(v_gt(t, v_load(packet->t_min + v)), v_lt(t, v_load(packet->nearest.hi + v))));
-    return verdict;
-}
-
 /* The verdict on the rays `active` of the vector at lane v. `reach` is R of triangle_filter.h. */
 MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, float reach,
                                          const struct mlrt_packet *packet, int v, vm active)
 {
-    if (MLRT_GUESS) return guess_vector(terms, packet, v, active);
     const vf d[3] = {v_load(packet->direction[0] + v), v_load(packet->direction[1] + v),
                      v_load(packet->direction[2] + v)};
     const vf ab = dot_product(d, terms->cross[0]), bc = dot_product(d, terms->cross[1]),
@@ -102,26 +78,26 @@ MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, flo
                              v_load(packet->nearest.hi + v), 0);
 }
 
-/* The float part of test_triangle. It is inlined, so the compiler knows whether `apex_terms` is NULL. */
+/* The float part of test_triangle. */
 MLRT_INLINE struct outcome filter_lanes(const struct mlrt_tree *tree, uint32_t number,
-                                        const struct triangle_terms *apex_terms, const struct ray_group *group,
+                                        const struct mlrt_triangle_setup *setup, const struct ray_group *group,
                                         uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     struct outcome outcome = {0, 0, 0};
+    struct triangle_terms terms;
     uint32_t tested = 0;
-    if (MLRT_UNLIKELY(packet->has.masks)) lanes = mlrt_seeing_lanes(tree, number, packet->mask, lanes);
+    if (setup) set_apex_terms(setup, &terms);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         if (!(lanes >> v & ALL_LANES)) continue;
         const vm active = concerned_rays(packet, lanes, number, v);
         if (!m_bits(active)) continue;
         tested |= m_bits(active) << v;
-        struct triangle_terms terms;
-        if (!apex_terms) {
+        if (!setup) {
             const vf origin[3] = {v_load(packet->origin[0] + v), v_load(packet->origin[1] + v),
                                   v_load(packet->origin[2] + v)};
             set_terms(&tree->triangles[number], origin, group->axis_code & 3, &terms);
         }
-        const struct verdict verdict = filter_vector(apex_terms ? apex_terms : &terms, group->reach, packet, v, active);
+        const struct verdict verdict = filter_vector(&terms, group->reach, packet, v, active);
         keep_verdict(&verdict, number, v, packet, &outcome);
     }
     COUNT(&worker->counters, lane_test_count, mlrt_count_bits(tested));
@@ -129,34 +105,28 @@ MLRT_INLINE struct outcome filter_lanes(const struct mlrt_tree *tree, uint32_t n
     return outcome;
 }
 
-/*
- * Tests the rays `lanes` of `group` against triangle `number` and updates their nearest hits. `apex_terms` are the
- * triangle's terms if the rays have a common origin, else NULL. Returns the lanes whose nearest hit changed.
- */
-MLRT_INLINE uint32_t test_triangle(const struct mlrt_job *job, uint32_t number, const struct triangle_terms *apex_terms,
-                                   const struct ray_group *group, uint32_t lanes, struct mlrt_packet *packet,
-                                   struct mlrt_worker *worker)
+/* The same without a set-up. Not inlined: callers whose rays have a common origin would save more registers. */
+static MLRT_NOINLINE struct outcome filter_from_anywhere(const struct mlrt_tree *tree, uint32_t number,
+                                                         const struct ray_group *group, uint32_t lanes,
+                                                         struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    const struct outcome outcome = filter_lanes(job->tree, number, apex_terms, group, lanes, packet, worker);
-    if (MLRT_LIKELY(!outcome.undecided)) return outcome.nearer;
+    return filter_lanes(tree, number, NULL, group, lanes, packet, worker);
+}
+
+/*
+ * Tests the rays `lanes` of `group` against triangle `number` and updates their nearest hits. `setup` is that of the
+ * triangle if the rays have a common origin, else NULL. Returns the lanes whose nearest hit changed.
+ */
+static uint32_t test_triangle(const struct mlrt_job *job, uint32_t number, const struct mlrt_triangle_setup *setup,
+                              const struct ray_group *group, uint32_t lanes, struct mlrt_packet *packet,
+                              struct mlrt_worker *worker)
+{
+    if (MLRT_UNLIKELY(packet->has.masks)) lanes = mlrt_seeing_lanes(job->tree, number, packet->mask, lanes);
+    const struct outcome outcome = setup ? filter_lanes(job->tree, number, setup, group, lanes, packet, worker)
+                                         : filter_from_anywhere(job->tree, number, group, lanes, packet, worker);
+    if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;
     return outcome.nearer |
            decide_lanes(job->tree, number, outcome.undecided, outcome.inside, packet, worker, COUNTERS(worker));
-}
-
-/* test_triangle for rays of a common origin, and for rays of different origins. */
-static uint32_t test_triangle_from_apex(const struct mlrt_job *job, uint32_t number,
-                                        const struct mlrt_triangle_setup *setup, const struct ray_group *group,
-                                        uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
-{
-    struct triangle_terms terms;
-    set_apex_terms(setup, &terms);
-    return test_triangle(job, number, &terms, group, lanes, packet, worker);
-}
-
-static uint32_t test_triangle_from_anywhere(const struct mlrt_job *job, uint32_t number, const struct ray_group *group,
-                                            uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
-{
-    return test_triangle(job, number, NULL, group, lanes, packet, worker);
 }
 
 #endif
