@@ -456,11 +456,10 @@ static MLRT_NOINLINE int32_t load(const void *data, size_t size, const mlrt_load
     if (!made) return MLRT_ERROR_OUT_OF_MEMORY;
     made->borrowed = options->flags & MLRT_LOAD_IN_PLACE && (uintptr_t)data % SECTION_ALIGNMENT == 0;
     const int32_t status = take_file(&header, data, options->geometry_hash, made, wrong);
-    if (status == MLRT_OK) {
+    if (status == MLRT_OK)
         *tree = made;
-    } else {
+    else
         mlrt_destroy_tree(made);
-    }
     return status;
 }
 

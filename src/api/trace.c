@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "api/arguments.h"
-#include "base/counters.h"
 #include "base/host.h"
 #include "exact/nearest.h"
 #include "exact/offset.h"
@@ -17,7 +16,6 @@
 #include "job/write_arrays.h"
 #include "rays/meet_scene.h"
 #include "rays/rows.h"
-#include "run/all_hits.h"
 #include "run/dispatch.h"
 #include "run/lone_ray.h"
 #include "run/run_job.h"

@@ -114,9 +114,7 @@ static int32_t build(const mlrt_mesh *meshes, size_t mesh_count, const void *opt
     *tree = NULL;
     struct call call;
     int32_t status = take_options(options, structure, &call);
-    if (status == MLRT_OK) {
-        MLRT_COMPUTE(status = build_tree(meshes, mesh_count, &call, tree));
-    }
+    if (status == MLRT_OK) MLRT_COMPUTE(status = build_tree(meshes, mesh_count, &call, tree));
     return mlrt_end_call(&call.voice, status);
 }
 

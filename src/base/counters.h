@@ -20,7 +20,4 @@
 #define CLEAR_COUNTS(worker)      ((void)(worker))
 #endif
 
-/* Adds every count of *from to *to, as far as to->struct_size reaches. */
-void mlrt_add_counters(mlrt_counters *to, const mlrt_counters *from);
-
 #endif

@@ -243,11 +243,10 @@ int32_t mlrt_make_pool(const mlrt_pool_options *options, const mlrt_host *host, 
     made->tasks.user = options->user;
     made->tasks.enqueue = options->enqueue;
     made->tasks.finish = options->finish;
-    if (made->tasks.enqueue) {
+    if (made->tasks.enqueue)
         made->thread_count = thread_count - 1;
-    } else {
+    else
         status = start_threads(made, thread_count);
-    }
     if (status != MLRT_OK) {
         mlrt_end_pool(made);
         return status;

@@ -2,6 +2,7 @@
 /* The caller's structs: see structs.h. Each begins with its size, a uint32_t. */
 #include "base/structs.h"
 
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -101,6 +102,15 @@ void mlrt_give_struct(const void *own, size_t own_size, void *given)
     const size_t size = size_of(given), known = size < own_size ? size : own_size;
     memcpy((unsigned char *)given + 4, (const unsigned char *)own + 4, known - 4);
     memset((unsigned char *)given + known, 0, size - known);
+}
+
+/* Behind its head mlrt_counters consists of uint64_t only; a caller compiled with an older version has fewer of them. */
+void mlrt_add_counters(mlrt_counters *to, const mlrt_counters *from)
+{
+    const size_t first = offsetof(mlrt_counters, ray_count), size = size_of(to);
+    const uint64_t *more = (const uint64_t *)(const void *)((const unsigned char *)from + first);
+    uint64_t *sum = (uint64_t *)(void *)((unsigned char *)to + first);
+    for (size_t i = 0; i < ((size < sizeof *from ? size : sizeof *from) - first) / sizeof *sum; ++i) sum[i] += more[i];
 }
 
 /* ---- rules ---- */

@@ -53,6 +53,9 @@ static inline int mlrt_is_right_array(const void *data, size_t stride, size_t un
     return ((((uintptr_t)data | stride) & (unit - 1)) == 0) & (stride - least <= MLRT_STRIDE_LIMIT - least);
 }
 
+/* Adds the counts of a worker to those of the caller, as far as its struct_size reaches. */
+void mlrt_add_counters(mlrt_counters *to, const mlrt_counters *from);
+
 /* Copies *own to a caller's struct: the fields that it has, and 0 to those that this version does not know. */
 void mlrt_give_struct(const void *own, size_t own_size, void *given);
 

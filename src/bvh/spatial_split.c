@@ -138,11 +138,10 @@ void mlrt_fill_slabs(const struct mlrt_triangle *triangles, float unit, const st
             uint32_t first_slab = (uint32_t)(int32_t)low[axis], last_slab = (uint32_t)(int32_t)high[axis];
             bins->first_count[first_slab][axis]++;
             bins->last_count[last_slab][axis]++;
-            if (first_slab == last_slab) {
+            if (first_slab == last_slab)
                 extend_box(&bins->box[first_slab][axis], lo, hi);
-            } else {
+            else
                 fill_axis(&vertices, reference, &slabs, axis, first_slab, last_slab, bins);
-            }
         }
     }
 }

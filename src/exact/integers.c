@@ -158,11 +158,10 @@ MLRT_INLINE void dot_limbs(const struct integer_vector *v, const struct integer_
 /* v . w, for a cross product and a vector of coordinates */
 static void dot(const struct integer_vector *v, const struct integer_vector *w, int count, struct integer *sum)
 {
-    if (count == 1) {
+    if (count == 1)
         dot_limbs(v, w, 1, sum);
-    } else {
+    else
         dot_limbs(v, w, count, sum);
-    }
 }
 
 /* ---- grids ------------------------------------------------------------------------------------------------------- */

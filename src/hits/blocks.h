@@ -107,9 +107,8 @@ static MLRT_NOINLINE void write_closed(const struct mlrt_job *job, struct mlrt_w
     }
     if (job->any) mlrt_write_picture_shadow(worker, 1, tile);
     if (!job->frame.numbers && !worker->sinks.tile.numbers) {
-        for (uint32_t i = 0; i < worker->sinks.count; ++i) {
+        for (uint32_t i = 0; i < worker->sinks.count; ++i)
             mlrt_write_same_ids(job->tree, cover, tile, worker->sinks.each[i]);
-        }
         return;
     }
     for (uint32_t j = 0; j < tile->height; j += 4) {

@@ -109,9 +109,7 @@ MLRT_INLINE void set_start_terms(const struct plane_terms *plane, const vd origi
     const vd d_error = d_mul(d_set1(MLRT_DENOMINATOR_ERROR), plane->normal_size);
     const vd numerator_error = d_mul(d_set1(MLRT_NUMERATOR_ERROR), size);
     MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) {
-        start->edge_width[i] = d_add(d_mul(numerator_error, plane->side_size[i]), d_error);
-    }
+    for (int i = 0; i < 2; ++i) start->edge_width[i] = d_add(d_mul(numerator_error, plane->side_size[i]), d_error);
 }
 
 MLRT_INLINE void get_terms(const double *kept, int count, vd *term)
@@ -142,9 +140,8 @@ MLRT_INLINE const struct mlrt_hit_terms *find_shared_terms(const struct mlrt_tre
         mlrt_set_plane_terms(&triangle, kept);
         cache->numbers[place] = number;
     }
-    if (packet->has.apex && memcmp(packet->apex, kept->origin, sizeof kept->origin) != 0) {
+    if (packet->has.apex && memcmp(packet->apex, kept->origin, sizeof kept->origin) != 0)
         mlrt_set_origin_terms(packet->apex, kept);
-    }
     return kept;
 }
 
@@ -218,9 +215,8 @@ static MLRT_NOINLINE void report_misses(uint32_t hit, struct mlrt_packet_values 
 /* Sets facing: 1 in the lanes `positive`, where D > 0, and -1 in the others. */
 static void report_facing(uint32_t positive, struct mlrt_packet_values *values)
 {
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW)
         i_store(values->facing + v, i_select(m_from_bits(positive >> v), i_set1(1), i_set1(0xFFFFFFFFu)));
-    }
 }
 
 /*
@@ -287,9 +283,8 @@ MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct
 {
     vd direction[3], origin[3];
     MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k)
         origin[k] = packet->has.apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
-    }
     load_directions(packet, lane, direction);
     return report_rays(plane, origin, direction, d_set1(direction_size), outputs, lane, values);
 }
@@ -301,9 +296,8 @@ static uint32_t report_one_triangle(const struct mlrt_packet *packet, const stru
     uint32_t reported = 0;
     struct plane_terms plane;
     get_plane_terms(terms, &plane);
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW)
         reported |= report_lanes(packet, &plane, lane, direction_size, outputs, values);
-    }
     return reported;
 }
 
@@ -348,9 +342,8 @@ static void copy_lanes(uint32_t lanes, const struct mlrt_packet_values *from, st
 
 MLRT_INLINE int hits_few_triangles(const struct mlrt_packet *packet, uint32_t hit)
 {
-    for (int i = 0; i < FEW_TRIANGLES && hit; ++i) {
+    for (int i = 0; i < FEW_TRIANGLES && hit; ++i)
         hit &= ~lanes_of_triangle(packet, packet->nearest.triangle[mlrt_lowest_bit(hit)]);
-    }
     return !hit;
 }
 
@@ -386,9 +379,8 @@ static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet
                                       ? report_several(tree, packet, hit, direction_size, outputs, cache, values)
                                       : report_kept(tree, packet, number, direction_size, outputs, cache, values);
         if (outputs & MLRT_OUTPUT_FACING) report_facing(reported >> 16, values);
-        for (uint32_t left = hit & ~reported; left; left &= left - 1) {
+        for (uint32_t left = hit & ~reported; left; left &= left - 1)
             mlrt_report_lane(tree, packet, mlrt_lowest_bit(left), outputs, values);
-        }
     }
     if (hit != 0xFFFF) report_misses(hit, values);
 }

@@ -48,9 +48,8 @@ MLRT_INLINE void keep_verdict(const struct verdict *verdict, uint32_t number, in
 MLRT_INLINE uint32_t lanes_of_triangle(const struct mlrt_packet *packet, uint32_t number)
 {
     uint32_t lanes = 0;
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW)
         lanes |= m_bits(i_eq(i_load(packet->nearest.triangle + v), i_set1(number))) << v;
-    }
     return lanes;
 }
 

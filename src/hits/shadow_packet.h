@@ -100,9 +100,8 @@ static void get_seen_points(const struct mlrt_tree *tree, const struct mlrt_pack
 {
     mlrt_gather_corners(tree, seen, hit, points->corners);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        for (int k = 0; k < 3; ++k) {
+        for (int k = 0; k < 3; ++k)
             v_store(points->origin[k] + v, seen->has.apex ? v_set1(seen->apex[k]) : v_load(seen->origin[k] + v));
-        }
     }
 }
 
@@ -172,9 +171,8 @@ static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, con
         facing |= vector_facing << lane;
     }
     facing &= certain;
-    for (uint32_t left = hit & ~certain; left; left &= left - 1) {
+    for (uint32_t left = hit & ~certain; left; left &= left - 1)
         facing |= mlrt_make_shadow_lane(job, seen, mlrt_lowest_bit(left), ends);
-    }
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         for (int k = 0; k < 3; ++k) v_store(others[k] + v, v_set1(light->light[k]));
         v_store(packet->t_min + v, v_set1(0));

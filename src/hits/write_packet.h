@@ -81,9 +81,8 @@ MLRT_INLINE void write_group_of_row(const struct row_of_packets *row, const stru
                      mlrt_find_corner(sink, &group->image, &block), group->image.row_stride);
         return;
     }
-    for (uint32_t i = 0; i < row->count; ++i, block.x += 4) {
+    for (uint32_t i = 0; i < row->count; ++i, block.x += 4)
         mlrt_write_group(&values[i], row->lanes[i], &block, sink, group);
-    }
 }
 
 /* Writes the results of a row of packets to a sink. */
@@ -99,22 +98,19 @@ static MLRT_NOINLINE void write_to_sink(const struct mlrt_job *job, struct mlrt_
             mlrt_write_occluded(hit, lanes, &block, sink);
             continue;
         }
-        if (sink->channel[MLRT_CHANNEL_MESH].data || sink->channel[MLRT_CHANNEL_TRIANGLE].data) {
+        if (sink->channel[MLRT_CHANNEL_MESH].data || sink->channel[MLRT_CHANNEL_TRIANGLE].data)
             find_packet_ids(job->tree, packet, hit, &worker->mesh, &values[i]);
-        }
         if (sink->numbers) report_packet(job->tree, packet, hit, sink->numbers, &worker->hit_terms, &values[i]);
     }
-    for (uint32_t i = 0; i < sink->group_count && !job->any; ++i) {
+    for (uint32_t i = 0; i < sink->group_count && !job->any; ++i)
         write_group_of_row(row, values, sink, &sink->groups[i]);
-    }
 }
 
 /* Writes the results of a row of packets to the frame and to the callback's tile. Empties the row. */
 static void write_row(const struct mlrt_job *job, struct mlrt_worker *worker, struct row_of_packets *row)
 {
-    for (uint32_t i = 0; i < worker->sinks.count && row->count; ++i) {
+    for (uint32_t i = 0; i < worker->sinks.count && row->count; ++i)
         write_to_sink(job, worker, row, worker->sinks.each[i]);
-    }
     row->count = 0;
 }
 

@@ -29,9 +29,8 @@ struct offset_interval {
 MLRT_INLINE struct offset_interval offset_range(const struct mlrt_beam *beam, int a, int j, float x_lo, float x_hi)
 {
     const float m_lo = beam->slope_lo[a][j], m_hi = beam->slope_hi[a][j];
-    if (x_lo >= 0) {
+    if (x_lo >= 0)
         return (struct offset_interval){m_lo * (m_lo >= 0 ? x_lo : x_hi), m_hi * (m_hi >= 0 ? x_hi : x_lo)};
-    }
     return (struct offset_interval){m_hi * (m_hi >= 0 ? x_lo : x_hi), m_lo * (m_lo >= 0 ? x_hi : x_lo)};
 }
 
@@ -90,11 +89,10 @@ struct cell_halves {
 MLRT_INLINE struct cell_halves split_cell(const struct mlrt_beam *beam, const struct mlrt_box *cell, int a, float c)
 {
     struct cell_halves halves = {*cell, *cell};
-    if (beam->negative[a]) {
+    if (beam->negative[a])
         halves.near.lo[a] = halves.far.hi[a] = c;
-    } else {
+    else
         halves.near.hi[a] = halves.far.lo[a] = c;
-    }
     return halves;
 }
 

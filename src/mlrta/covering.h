@@ -65,9 +65,8 @@ static void set_corner_term(const struct corner_directions *corners, const doubl
     for (int side = 0; side < 2; ++side) {
         for (int end = 0; end < 2; ++end) part[side][end] = corners->slope[side][end] * cross[side + 1];
     }
-    for (int corner = 0; corner < 4; ++corner) {
+    for (int corner = 0; corner < 4; ++corner)
         terms->value[i][corner] = corners->main * cross[0] + part[0][corner & 1] + part[1][corner >> 1];
-    }
     terms->bound[i] = (size[0] + corners->size[0] * size[1] + corners->size[1] * size[2]) * 0x1p-49;
 }
 

@@ -79,9 +79,8 @@ static int find_first_leaf(const struct mlrt_job *job, const struct mlrt_beam *b
             const int near_is_upper = beam->negative[a];
             children = reachable_children(job, beam, &cell, a, c, counters);
             if (children == BOTH_CHILDREN) stack[(*stack_count)++] = cell;
-            if (children) {
+            if (children)
                 enter_child(&cell, mlrt_node_child(node), children & NEAR_CHILD ? near_is_upper : !near_is_upper, a, c);
-            }
         } else if (has_potential(job, beam, node, &cell.box)) {
             *leaf = cell;
             return 1;
@@ -102,9 +101,8 @@ static uint32_t find_first_cover(const uint32_t *entries, uint32_t count, const 
     for (uint32_t i = 0; i < count; ++i) {
         if (!covers_beam(&terms[i])) continue;
         int is_first = 1;
-        for (uint32_t j = 0; j < count && is_first; ++j) {
+        for (uint32_t j = 0; j < count && is_first; ++j)
             is_first = j == i || misses_beam(&terms[j]) || is_behind(&terms[j], &terms[i]);
-        }
         if (is_first) return entries[i];
     }
     return MLRT_NONE;

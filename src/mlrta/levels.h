@@ -23,9 +23,8 @@
 MLRT_INLINE void trace_active(const struct mlrt_job *job, const struct entry_list *list, struct mlrt_packet *packet,
                               struct mlrt_worker *worker)
 {
-    if (packet->has.apex && memcmp(packet->apex, worker->setups->apex, sizeof packet->apex) != 0) {
+    if (packet->has.apex && memcmp(packet->apex, worker->setups->apex, sizeof packet->apex) != 0)
         forget_setups(packet->apex, worker);
-    }
     if (VW <= 4 && job->method == MLRT_METHOD_PACKET2) { /* run/dispatch.c: wider kernels never get this method */
         traverse_masked(job, packet, worker);
     } else {
@@ -68,9 +67,8 @@ static void set_entry_outlines(const struct mlrt_beam *beam, struct entry_list *
 {
     if (!beam->has_apex) return;
     list->axis_code = cell_axis_code(beam->main_axis, beam->negative[beam->main_axis]);
-    for (uint32_t i = 0; i < list->count; ++i) {
+    for (uint32_t i = 0; i < list->count; ++i)
         set_box_outline(&list->entries[i].box, list->axis_code, beam->origin_lo, &list->outlines[i]);
-    }
 }
 
 /*
@@ -126,11 +124,10 @@ static void trace_kdtree_area(const struct mlrt_job *job, struct mlrt_worker *wo
     root.axis_code = NO_OUTLINES;
     root.entries[0] = (struct entry_point){0, 0, job->tree->bounds};
     COUNT(&worker->counters, ray_count, mlrt_count_rays(&job->source, tile));
-    if (job->method == MLRT_METHOD_MULTILEVEL) {
+    if (job->method == MLRT_METHOD_MULTILEVEL)
         trace_level(job, worker, tile, job->initial_tile_size, &root.entries[0]);
-    } else {
+    else
         trace_blocks(job, worker, tile, &root, trace_block);
-    }
 }
 
 #endif

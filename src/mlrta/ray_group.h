@@ -105,9 +105,8 @@ static uint32_t same_sign_lanes(const struct mlrt_packet *packet, uint32_t lanes
     uint32_t same = lanes;
     for (int k = 0; k < 3; ++k) {
         uint32_t negative = 0;
-        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW)
             negative |= m_bits(v_lt(v_load(packet->direction[k] + v), v_set1(0))) << v;
-        }
         same &= (negative & seed) ? negative : ~negative;
     }
     return same;
@@ -119,9 +118,8 @@ static uint32_t lanes_within(const float vectors[3][MLRT_PACKET_RAYS], uint32_t 
     uint32_t within = 1u << seed;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vf difference = v_set1(0);
-        for (int k = 0; k < 3; ++k) {
+        for (int k = 0; k < 3; ++k)
             difference = v_max(v_abs(v_sub(v_load(vectors[k] + v), v_set1(vectors[k][seed]))), difference);
-        }
         within |= m_bits(v_le(difference, v_set1(limit))) << v;
     }
     return lanes & within;
@@ -192,9 +190,8 @@ MLRT_INLINE void set_frustum(const struct mlrt_packet *packet, struct ray_group 
     group->has_frustum = packet->has.apex;
     if (!group->has_frustum) return;
     const int a = (int)(group->axis_code & 3);
-    for (int side = 0; side < 2; ++side) {
+    for (int side = 0; side < 2; ++side)
         set_ray_slopes(packet, a, (a + 1 + side) % 3, group->slopes.lo[side], group->slopes.hi[side]);
-    }
 }
 
 /* Makes a group from the lowest of `lanes` and those of the others that fit it. */

@@ -32,11 +32,10 @@ static MLRT_NOINLINE void read_vectors_apart(const struct mlrt_array_layout *lay
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const unsigned char *at = first + offset_of_lane(layout, v);
         vf words[4] = {v_set1(0), v_set1(0), v_set1(0), v_set1(0)};
-        if (layout->has_word) {
+        if (layout->has_word)
             v_quads_at(at, step, row_step, words);
-        } else {
+        else
             v_triples_at(at, step, row_step, words);
-        }
         MLRT_UNROLL
         for (int k = 0; k < 3; ++k) v_store(rows[k] + v, from ? v_sub(words[k], v_set1(from[k])) : words[k]);
         if (fourth) v_store(fourth + v, words[3]);

@@ -129,11 +129,10 @@ struct mlrt_mesh_range mlrt_find_mesh(const struct mlrt_tree *tree, uint32_t mes
     uint32_t below = 0, above = tree->meshes.count;
     while (below < above) {
         uint32_t middle = below + (above - below) / 2;
-        if (tree->meshes.ids[tree->meshes.by_id[middle]] < mesh_id) {
+        if (tree->meshes.ids[tree->meshes.by_id[middle]] < mesh_id)
             below = middle + 1;
-        } else {
+        else
             above = middle;
-        }
     }
     if (below == tree->meshes.count) return none;
     const uint32_t mesh = tree->meshes.by_id[below];

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* All hits of rays: one ray after the other. Workers claim pieces of ITEM_RAYS rays. */
-#include "run/all_hits.h"
+#include "run/run_job.h"
 
 #include <string.h>
 
-#include "base/counters.h"
 #include "base/progress.h"
 #include "base/host.h"
 #include "base/scheduler.h"
+#include "base/structs.h"
 #include "exact/hit_list.h"
 #include "job/structure.h"
 #include "job/write_arrays.h"

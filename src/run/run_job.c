@@ -7,10 +7,10 @@
 
 #include <string.h>
 
-#include "base/counters.h"
 #include "base/progress.h"
 #include "base/host.h"
 #include "base/scheduler.h"
+#include "base/structs.h"
 #include "hits/undecided.h"
 #include "job/structure.h"
 #include "job/write_arrays.h"

@@ -86,13 +86,11 @@ MLRT_INLINE void v_store_rows(const float *first, size_t distance, unsigned char
         MLRT_UNROLL
         for (int k = 0; k < 4; ++k) rows[k] = squares_of_rows(_mm256_load_ps(first + k * distance));
         MLRT_UNROLL
-        for (int k = 0; k < 4; k += 2) {
+        for (int k = 0; k < 4; k += 2)
             _mm256_storeu_ps((void *)(at + 16 * k), _mm256_permute2f128_ps(rows[k], rows[k + 1], 0x20));
-        }
         MLRT_UNROLL
-        for (int k = 0; k < 4; k += 2) {
+        for (int k = 0; k < 4; k += 2)
             _mm256_storeu_ps((void *)(at + row_stride + 16 * k), _mm256_permute2f128_ps(rows[k], rows[k + 1], 0x31));
-        }
     }
 }
 

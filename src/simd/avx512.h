@@ -76,9 +76,8 @@ MLRT_INLINE void v_triples(const unsigned char *p, size_t row_step, vf by_axis[3
     const __m512i z = _mm512_setr_epi32(2, 5, 18, 21, 8, 11, 24, 27, 2, 5, 18, 21, 8, 11, 24, 27);
     __m512 row[4];
     MLRT_UNROLL
-    for (int i = 0; i < 4; ++i, p += row_step) {
+    for (int i = 0; i < 4; ++i, p += row_step)
         row[i] = _mm512_insertf32x4(_mm512_castps256_ps512(_mm256_loadu_ps((const void *)p)), f4_load_any(p + 32), 2);
-    }
     const __m512 above = _mm512_permutex2var_ps(row[0], xy, row[1]), below = _mm512_permutex2var_ps(row[2], xy, row[3]);
     by_axis[0] = _mm512_shuffle_f32x4(above, below, 0x44);
     by_axis[1] = _mm512_shuffle_f32x4(above, below, 0xEE);

@@ -23,8 +23,6 @@ struct mlrt_plane {
     double size[3];
 };
 
-void mlrt_set_plane(const struct mlrt_triangle *triangle, struct mlrt_plane *plane);
-
 /* Sets `cross` to p x q, and `size` to the size of each component. */
 static inline void mlrt_cross_with_sizes(const double p[3], const double q[3], double cross[3], double size[3])
 {
@@ -34,6 +32,17 @@ static inline void mlrt_cross_with_sizes(const double p[3], const double q[3], d
         cross[k] = r - s;
         size[k] = fabs(r) + fabs(s);
     }
+}
+
+static inline void mlrt_set_plane(const struct mlrt_triangle *triangle, struct mlrt_plane *plane)
+{
+    double ab[3], ac[3];
+    for (int k = 0; k < 3; ++k) {
+        plane->point[k] = triangle->v[0][k];
+        ab[k] = triangle->v[1][k] - plane->point[k];
+        ac[k] = triangle->v[2][k] - plane->point[k];
+    }
+    mlrt_cross_with_sizes(ab, ac, plane->normal, plane->size);
 }
 
 /* |a_z| + (|a_j| + |a_l|) / 2: for C or its errors, the sum of |coefficient| |term| if both slopes are 1/2. */
