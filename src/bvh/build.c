@@ -210,12 +210,12 @@ static float limit_reference(float bound)
     return bound < -REFERENCE_LIMIT ? -REFERENCE_LIMIT : bound > REFERENCE_LIMIT ? REFERENCE_LIMIT : bound;
 }
 
-/* 1 if a bound of the box is so large that references have none. */
-static int is_far(const struct mlrt_quad_box *box)
+/* 1 if the box lies within -limit .. limit along each axis. */
+static int is_within(const struct mlrt_quad_box *box, float limit)
 {
     int is_beyond = 0;
-    for (int k = 0; k < 3; k++) is_beyond |= box->lo[k] < -MLRT_BVH_FAR || box->hi[k] > MLRT_BVH_FAR;
-    return is_beyond;
+    for (int k = 0; k < 3; k++) is_beyond |= box->lo[k] < -limit || box->hi[k] > limit;
+    return !is_beyond;
 }
 
 /* Brings a reference into units. */
@@ -263,9 +263,9 @@ static double make_chunk_references(struct build *build, uint32_t number, uint32
     chunk->set = finish_set(&set, first, chunk->count);
     memcpy(chunk->bounds.lo, chunk->set.box.lo, sizeof chunk->bounds.lo);
     memcpy(chunk->bounds.hi, chunk->set.box.hi, sizeof chunk->bounds.hi);
-    if (unit == 1 && !is_far(&chunk->set.box)) return CHUNK_SIZE * FIRST_WORK;
+    if (unit == 1 && is_within(&chunk->set.box, MLRT_BVH_FAR)) return CHUNK_SIZE * FIRST_WORK;
     for (uint32_t i = 0; i < chunk->count; i++)
-        if (unit != 1 || is_far(&references[i])) scale_reference(unit, &references[i]);
+        if (unit != 1 || !is_within(&references[i], MLRT_BVH_FAR)) scale_reference(unit, &references[i]);
     chunk->set = mlrt_measure_set(build->references.boxes, first, chunk->count, build->progress);
     return CHUNK_SIZE * FIRST_WORK;
 }
@@ -418,21 +418,13 @@ static int overlaps(const struct build *build, const struct mlrt_bvh_split *spli
     return area_of(&common) > build->preset->overlap_limit * build->scene_area;
 }
 
-/* 1 if the box's coordinates are small enough for the float arithmetic of spatial_split.c. */
-static int may_be_cut(const struct mlrt_quad_box *box)
-{
-    for (int k = 0; k < 3; k++)
-        if (box->lo[k] < -MLRT_SAFE_MAX || box->hi[k] > MLRT_SAFE_MAX) return 0;
-    return 1;
-}
-
 static void choose(struct build *build, struct portion *portion, struct mlrt_bvh_split *split)
 {
     struct mlrt_bvh_split plane;
     const int is_sorted = portion->set.count <= MLRT_SWEEP_LIMIT;
     find_split(build, portion, is_sorted ? MLRT_SPLIT_BY_RANK : MLRT_SPLIT_BY_BIN, split);
     if (portion->spare == 0 || portion->set.count <= build->preset->spatial_size) return;
-    if (!may_be_cut(&portion->set.box)) return;
+    if (!is_within(&portion->set.box, MLRT_SAFE_MAX)) return; /* too large for the float arithmetic of spatial_split.c */
     if (split->cost < HUGE_VAL && !is_sorted && !overlaps(build, split)) return;
     if (portion->failed_count > build->preset->failure_limit) return;
     find_split(build, portion, MLRT_SPLIT_BY_PLANE, &plane);

@@ -79,24 +79,21 @@ int mlrt_is_odd(const struct mlrt_tree *tree, uint32_t number)
     return !mlrt_triangle_in_units(&triangle, tree->bvh.unit, &in_units);
 }
 
-int mlrt_has_usual_triangles(const struct mlrt_tree *tree)
-{
-    int is_usual = tree->bvh.unit == 1;
-    for (int k = 0; k < 3; ++k)
-        is_usual &= tree->bvh.whole.lo[k] >= -MLRT_SAFE_MAX && tree->bvh.whole.hi[k] <= MLRT_SAFE_MAX;
-    return is_usual;
-}
-
-void mlrt_set_bvh_unit(struct mlrt_tree *tree)
-{
-    tree->bvh.unit = (float)ldexp(1, unit_exponent(typical_exponent(tree)));
-}
-
 static int is_within(const struct mlrt_box *box, float limit)
 {
     for (int k = 0; k < 3; ++k)
         if (box->lo[k] < -limit || box->hi[k] > limit) return 0;
     return 1;
+}
+
+int mlrt_has_usual_triangles(const struct mlrt_tree *tree)
+{
+    return tree->bvh.unit == 1 && is_within(&tree->bvh.whole, MLRT_SAFE_MAX);
+}
+
+void mlrt_set_bvh_unit(struct mlrt_tree *tree)
+{
+    tree->bvh.unit = (float)ldexp(1, unit_exponent(typical_exponent(tree)));
 }
 
 void mlrt_set_bvh_extent(struct mlrt_tree *tree)

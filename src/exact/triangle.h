@@ -81,13 +81,7 @@ struct mlrt_box {
 };
 
 /* Holds no point: each box that it is extended by is the result. */
-#define MLRT_NO_BOX                                                                                                    \
-    {                                                                                                                  \
-        {INFINITY, INFINITY, INFINITY},                                                                                \
-        {                                                                                                              \
-            -INFINITY, -INFINITY, -INFINITY                                                                            \
-        }                                                                                                              \
-    }
+static const struct mlrt_box MLRT_NO_BOX = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 
 static inline void mlrt_extend_box(const float lo[3], const float hi[3], struct mlrt_box *box)
 {

@@ -337,7 +337,7 @@ static MLRT_NOINLINE uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_
                                            mlrt_counters *counters)
 {
     if (mlrt_is_stopped_in_step(worker)) return 0;
-    const uint32_t tied = mlrt_settle_known_ties(number, lanes, inside, packet, worker), among = lanes & ~tied;
+    const uint32_t tied = mlrt_settle_ties(NULL, number, lanes, inside, packet, worker), among = lanes & ~tied;
     uint32_t left = 0, nearer = 0;
     if (among) nearer = decide_by_doubles(tree, number, among, inside, packet, &left);
     if (counters) {

@@ -42,12 +42,8 @@ int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t s
     return 1;
 }
 
-/*
- * Settles the lanes whose nearest hit lies in the plane of triangle `number`: as far as the table knows, or if `finds`,
- * by comparing triangles. Returns those of `lanes` that are settled.
- */
-MLRT_INLINE uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
-                                 int finds, struct mlrt_packet *packet, struct mlrt_worker *worker)
+uint32_t mlrt_settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
+                          struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     uint32_t settled = 0;
     while (lanes) {
@@ -55,19 +51,11 @@ MLRT_INLINE uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, 
         const uint32_t same = lanes & mlrt_same_words(packet->nearest.triangle, nearest);
         lanes &= ~same;
         if (nearest == MLRT_NONE || (number < nearest && !(same & inside))) continue;
-        if (!(finds ? mlrt_have_one_plane(tree, number, nearest, worker)
-                    : mlrt_known_plane_of(worker, number) == mlrt_known_plane_of(worker, nearest))) {
-            continue;
-        }
-        settled |= mlrt_settle_tie(number, nearest, same, inside, packet);
+        if (tree ? mlrt_have_one_plane(tree, number, nearest, worker)
+                 : mlrt_known_plane_of(worker, number) == mlrt_known_plane_of(worker, nearest))
+            settled |= mlrt_settle_tie(number, nearest, same, inside, packet);
     }
     return settled;
-}
-
-uint32_t mlrt_settle_known_ties(uint32_t number, uint32_t lanes, uint32_t inside, struct mlrt_packet *packet,
-                                struct mlrt_worker *worker)
-{
-    return settle_ties(NULL, number, lanes, inside, 0, packet, worker);
 }
 
 /* Lets the judge decide lanes one by one. Returns those that have a nearer hit than before. */
@@ -94,7 +82,7 @@ static uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint3
 uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
                            struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters)
 {
-    const uint32_t tied = settle_ties(tree, number, lanes, inside, 1, packet, worker), undecided = lanes & ~tied;
+    const uint32_t tied = mlrt_settle_ties(tree, number, lanes, inside, packet, worker), undecided = lanes & ~tied;
     if (counters) {
         counters->tie_lane_count += mlrt_count_bits(tied);
         counters->undecided_test_count += undecided != 0;

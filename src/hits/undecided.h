@@ -41,9 +41,12 @@ static inline uint32_t mlrt_settle_tie(uint32_t number, uint32_t nearest, uint32
     return lanes;
 }
 
-/* Settles the ties of those of `lanes` whose nearest hits the worker's table knows to lie in the triangle's plane. */
-uint32_t mlrt_settle_known_ties(uint32_t number, uint32_t lanes, uint32_t inside, struct mlrt_packet *packet,
-                                struct mlrt_worker *worker);
+/*
+ * Settles the ties of those of `lanes` whose nearest hits lie in the plane of triangle `number`: by comparing triangles,
+ * or without a tree, as far as the worker's table knows. Returns the lanes that are settled.
+ */
+uint32_t mlrt_settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
+                          struct mlrt_packet *packet, struct mlrt_worker *worker);
 
 /*
  * Decides whether the rays in `lanes` hit a triangle; those in `inside` are known to be inside its edges. Returns the

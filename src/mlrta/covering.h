@@ -153,7 +153,7 @@ static int is_behind(const struct corner_terms *other, const struct corner_terms
 static void end_region_at_cover(const struct corner_terms *cover, const struct corner_directions *corners,
                                 struct mlrt_beam *beam)
 {
-    struct mlrt_box end = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    struct mlrt_box end = MLRT_NO_BOX;
     for (int corner = 0; corner < 4; ++corner) {
         const double d[3] = {corners->main, corners->slope[0][corner & 1], corners->slope[1][corner >> 1]};
         const double near = least_depth(cover, corner), far = greatest_depth(cover, corner);

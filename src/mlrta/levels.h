@@ -43,14 +43,6 @@ static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, 
     end_packet(job, worker, lanes, block, &packet);
 }
 
-/* Writes the results of a tile for BEAM_MISSES or BEAM_IS_COVERED: none of its rays has to be traced. */
-static void finish_tile(const struct mlrt_job *job, struct mlrt_worker *worker, int found, uint32_t cover,
-                        const struct mlrt_rectangle *tile)
-{
-    ++*(found == BEAM_MISSES ? &worker->counters.missed_beam_count : &worker->counters.covered_beam_count);
-    write_closed(job, worker, found == BEAM_MISSES ? MLRT_NONE : cover, tile);
-}
-
 /* Counts the nodes of `list` and traces the rays of a tile from them. */
 static void enter_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct entry_list *list,
                        const struct mlrt_rectangle *tile)
@@ -92,7 +84,8 @@ static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, 
         const int found = has_list ? mlrt_find_entry_list(job, &beam, *above, &list, &cover, &worker->counters)
                                    : mlrt_find_entry_point(job, &beam, entry, &cover, &worker->counters);
         if (found != BEAM_ENTERS) {
-            finish_tile(job, worker, found, cover, tile);
+            ++*(found == BEAM_MISSES ? &worker->counters.missed_beam_count : &worker->counters.covered_beam_count);
+            write_closed(job, worker, found == BEAM_MISSES ? MLRT_NONE : cover, tile);
             return;
         }
         if (has_list) set_entry_outlines(&beam, &list);

@@ -215,78 +215,32 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
     }
 }
 
-/* Sets the numbers of all lanes. */
-static void fill(float value, void *numbers)
-{
-    for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4) f4_store((float *)numbers + lane, f4_set1(value));
-}
-
-/* Gives all lanes the word of lane 0. */
-static MLRT_NOINLINE void spread(void *words)
-{
-    float first;
-    memcpy(&first, words, sizeof first);
-    fill(first, words);
-}
-
-/* Gives all lanes the numbers of lane 0 that are read out of arrays of this kind. */
-static MLRT_NOINLINE void spread_first_ray(enum mlrt_source_kind kind, struct mlrt_packet *packet)
-{
-    for (int k = 0; k < 3; ++k) {
-        if (kind != MLRT_SOURCE_POINT_LIGHT) spread(packet->origin[k]);
-        if (kind != MLRT_SOURCE_DIRECTIONAL_LIGHT) spread(packet->direction[k]);
-    }
-    if (kind == MLRT_SOURCE_RAYS) spread(packet->t_min), spread(packet->t_max);
-    if (packet->has.masks) spread(packet->mask);
-    if (packet->has.skip) spread(packet->skip_mesh), spread(packet->skip);
-}
-
-/* Reads the rays of a block, out of arrays of this kind. What the rays of a light have in common is not read. */
-MLRT_INLINE void fetch_rays(const struct mlrt_source *source, enum mlrt_source_kind kind, uint32_t x, uint32_t y,
-                            uint32_t lanes, struct mlrt_packet *packet)
-{
-    for (uint32_t left = lanes | 1; left; left &= left - 1) {
-        const uint32_t lane = mlrt_lowest_bit(left), i = ray_of_lane(source, x, y, lanes, lane);
-        struct mlrt_lone_ray ray;
-        float room[3];
-        mlrt_read_vectors(source, kind, i, room, &ray);
-        for (int k = 0; k < 3; ++k) {
-            if (kind != MLRT_SOURCE_POINT_LIGHT) packet->origin[k][lane] = ray.given_origin[k];
-            if (kind != MLRT_SOURCE_DIRECTIONAL_LIGHT) packet->direction[k][lane] = ray.given_direction[k];
-        }
-        if (kind == MLRT_SOURCE_RAYS) {
-            packet->t_min[lane] = ray.t_min;
-            packet->t_max[lane] = ray.t_max;
-        }
-        if (packet->has.masks) packet->mask[lane] = ray.mask;
-        if (packet->has.skip) {
-            const uint32_t *pair = (const uint32_t *)(const void *)mlrt_element(
-                &source->arrays.skip, mlrt_element_of_ray(i, source->arrays.rays_per_origin));
-            packet->skip_mesh[lane] = pair[0];
-            packet->skip[lane] = pair[1];
-        }
-        if (lane == 0 && lanes != 0xFFFF) spread_first_ray(kind, packet);
-    }
-}
-
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                        struct mlrt_packet *packet)
 {
-    packet->has.apex = packet->has.limits = 0;
+    packet->has.apex = source->kind == MLRT_SOURCE_POINT_LIGHT;
+    packet->has.limits =
+        source->kind == MLRT_SOURCE_RAYS && (source->arrays.t_min.data || source->arrays.t_max.data);
     packet->has.skip = source->arrays.skip.data != NULL;
     packet->has.masks = source->has_masks;
-    if (source->kind == MLRT_SOURCE_RAYS) {
-        packet->has.limits = source->arrays.t_min.data || source->arrays.t_max.data;
-        fetch_rays(source, MLRT_SOURCE_RAYS, x, y, lanes, packet);
-    } else if (source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT) {
-        for (int k = 0; k < 3; ++k) fill(source->light[k], packet->direction[k]);
-        fill(0, packet->t_min), fill(INFINITY, packet->t_max);
-        fetch_rays(source, MLRT_SOURCE_DIRECTIONAL_LIGHT, x, y, lanes, packet);
-    } else {
-        packet->has.apex = 1;
-        memcpy(packet->apex, source->light, sizeof packet->apex);
-        fill(0, packet->t_min), fill(1, packet->t_max);
-        fetch_rays(source, MLRT_SOURCE_POINT_LIGHT, x, y, lanes, packet);
+    if (packet->has.apex) memcpy(packet->apex, source->light, sizeof packet->apex);
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const uint32_t i = ray_of_lane(source, x, y, lanes, lane);
+        struct mlrt_lone_ray ray;
+        float room[3];
+        mlrt_read_vectors(source, i, room, &ray);
+        for (int k = 0; k < 3; ++k) {
+            packet->origin[k][lane] = ray.given_origin[k];
+            packet->direction[k][lane] = ray.given_direction[k];
+        }
+        packet->t_min[lane] = ray.t_min;
+        packet->t_max[lane] = ray.t_max;
+        if (packet->has.masks) packet->mask[lane] = ray.mask;
+        if (!packet->has.skip) continue;
+        const float *pair =
+            mlrt_element(&source->arrays.skip, mlrt_element_of_ray(i, source->arrays.rays_per_origin));
+        memcpy(&packet->skip_mesh[lane], pair, 4);
+        memcpy(&packet->skip[lane], pair + 1, 4);
     }
     if (packet->has.skip) mlrt_number_skips(source->tree, packet);
 }

@@ -111,9 +111,9 @@ MLRT_INLINE uint32_t mlrt_mask_of_ray(const struct mlrt_source *source, uint32_t
     return mask ? mask : MLRT_MASK_ALL;
 }
 
-/* Reads ray i of arrays of this kind, as mlrt_read_ray does, but for the triangle that it skips. */
-MLRT_INLINE void mlrt_read_vectors(const struct mlrt_source *source, enum mlrt_source_kind kind, uint32_t i,
-                                   float room[3], struct mlrt_lone_ray *ray)
+/* Reads ray i of arrays, as mlrt_read_ray does, but for the triangle that it skips. */
+MLRT_INLINE void mlrt_read_vectors(const struct mlrt_source *source, uint32_t i, float room[3],
+                                   struct mlrt_lone_ray *ray)
 {
     const uint32_t origin = mlrt_element_of_ray(i, source->arrays.rays_per_origin);
     const float *point = mlrt_element(&source->arrays.points, origin);
@@ -122,11 +122,11 @@ MLRT_INLINE void mlrt_read_vectors(const struct mlrt_source *source, enum mlrt_s
     ray->t_min = 0;
     ray->t_max = INFINITY;
     ray->mask = mlrt_mask_of_ray(source, i);
-    if (kind == MLRT_SOURCE_RAYS) {
+    if (source->kind == MLRT_SOURCE_RAYS) {
         ray->given_direction = mlrt_element(&source->arrays.directions, i);
         if (source->arrays.t_min.data) ray->t_min = *mlrt_element(&source->arrays.t_min, origin);
         if (source->arrays.t_max.data) ray->t_max = *mlrt_element(&source->arrays.t_max, i);
-    } else if (kind == MLRT_SOURCE_POINT_LIGHT) {
+    } else if (source->kind == MLRT_SOURCE_POINT_LIGHT) {
         for (int k = 0; k < 3; ++k) room[k] = point[k] - source->light[k];
         ray->given_origin = source->light;
         ray->given_direction = room;
@@ -140,7 +140,7 @@ MLRT_INLINE void mlrt_read_vectors(const struct mlrt_source *source, enum mlrt_s
  */
 MLRT_INLINE void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, float room[3], struct mlrt_lone_ray *ray)
 {
-    mlrt_read_vectors(source, source->kind, i, room, ray);
+    mlrt_read_vectors(source, i, room, ray);
     ray->skip = MLRT_NONE;
     if (!source->arrays.skip.data) return;
     const uint32_t *pair = (const uint32_t *)(const void *)mlrt_element(
