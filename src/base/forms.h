@@ -10,7 +10,7 @@
 
 #include "mlrt.h"
 
-/* What a rule wants of its field. Rules of a form are in this order: words, sizes, floats, inputs, outputs. */
+/* What a rule wants of its field. */
 enum {
     MLRT_FIELD_INTEGER, /* an int32_t from 0 to `most` */
     MLRT_FIELD_COUNT,   /* a uint32_t from 0 to `most`; if it holds flags, these are all bits with a meaning */

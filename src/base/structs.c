@@ -115,11 +115,6 @@ void mlrt_add_counters(mlrt_counters *to, const mlrt_counters *from)
 
 /* ---- rules ---- */
 
-static const void *place_of(const struct mlrt_field *field, const void *own)
-{
-    return (const unsigned char *)own + field->offset;
-}
-
 /* Bytes of which addresses and strides of an output are multiples. */
 MLRT_INLINE size_t unit_of_output(const struct mlrt_field *field)
 {
@@ -141,33 +136,21 @@ static const uint32_t *find_wrong_float(const struct mlrt_field *field, const ui
     return NULL;
 }
 
-/*
- * Finds the first field of a table that breaks its rule; `end` if none does. There is a loop for each sort, because
- * calls of few rays spend a good part of their time here.
- */
-static const struct mlrt_field *find_wrong_field(const struct mlrt_field *field, const struct mlrt_field *end,
-                                                 int has_rows, const void *own)
+/* Does a field keep its rule? */
+static int is_right_field(const struct mlrt_field *field, int has_rows, const void *at)
 {
-    for (; field < end && field->kind <= MLRT_FIELD_COUNT; ++field)
-        if (*(const uint32_t *)place_of(field, own) > field->most) return field;
-    for (; field < end && field->kind == MLRT_FIELD_SIZE; ++field)
-        if (*(const size_t *)place_of(field, own) > INT32_MAX) return field;
-    for (; field < end && field->kind <= MLRT_FIELD_NUMBER; ++field)
-        if (find_wrong_float(field, place_of(field, own))) return field;
-    for (; field < end && field->kind == MLRT_FIELD_INPUT; ++field) {
-        const mlrt_const_array *array = place_of(field, own);
-        if (!array->data) continue;
-        if (!mlrt_is_right_array(array->data, array->stride == MLRT_STRIDE_ALL ? 0 : array->stride, 4, 0)) return field;
+    if (field->kind <= MLRT_FIELD_COUNT) return *(const uint32_t *)at <= field->most;
+    if (field->kind == MLRT_FIELD_SIZE) return *(const size_t *)at <= INT32_MAX;
+    if (field->kind <= MLRT_FIELD_NUMBER) return !find_wrong_float(field, at);
+    if (field->kind == MLRT_FIELD_INPUT) {
+        const mlrt_const_array *array = at;
+        const size_t stride = array->stride == MLRT_STRIDE_ALL ? 0 : array->stride;
+        return !array->data || mlrt_is_right_array(array->data, stride, 4, 0);
     }
-    for (; field < end; ++field) {
-        const mlrt_array *array = place_of(field, own);
-        if (!array->data) continue;
-        const size_t unit = unit_of_output(field);
-        if (!mlrt_is_right_array(array->data, array->stride ? array->stride : field->most, unit, field->most))
-            return field;
-        if (has_rows && !mlrt_is_right_array(array->data, array->row_stride, unit, 0)) return field;
-    }
-    return end;
+    const mlrt_array *array = at;
+    const size_t unit = unit_of_output(field), stride = array->stride ? array->stride : field->most;
+    return !array->data || (mlrt_is_right_array(array->data, stride, unit, field->most) &&
+                            (!has_rows || mlrt_is_right_array(array->data, array->row_stride, unit, 0)));
 }
 
 /* ---- broken rules ---- */
@@ -257,8 +240,11 @@ static MLRT_NOINLINE int32_t fail_field(struct place place, const struct mlrt_fi
 int32_t mlrt_check_fields(int number, const char *path, size_t index, const void *own)
 {
     const struct mlrt_form *form = &mlrt_forms[number];
-    const struct mlrt_field *first = mlrt_rules_of(form), *end = first + form->rule_count;
-    const struct mlrt_field *wrong = find_wrong_field(first, end, form->has_rows, own);
-    if (MLRT_LIKELY(wrong == end)) return MLRT_OK;
-    return fail_field((struct place){path, index, wrong->name, form->status}, wrong, place_of(wrong, own));
+    const struct mlrt_field *field = mlrt_rules_of(form), *end = field + form->rule_count;
+    for (; field < end; ++field) {
+        const void *at = (const unsigned char *)own + field->offset;
+        if (MLRT_LIKELY(is_right_field(field, form->has_rows, at))) continue;
+        return fail_field((struct place){path, index, field->name, form->status}, field, at);
+    }
+    return MLRT_OK;
 }
