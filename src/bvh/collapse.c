@@ -108,7 +108,7 @@ MLRT_INLINE void write_corners(const struct mlrt_triangle *triangle, uint32_t ro
 static void write_leaf(const struct mlrt_binary_tree *binary, const struct mlrt_binary_node *node,
                        const struct mlrt_tree *tree, uint32_t quad)
 {
-    const int is_usual = mlrt_has_usual_triangles(tree);
+    const int is_usual = tree->bvh.is_usual;
     const uint32_t *words = binary->words + node->first;
     uint32_t *numbers = tree->bvh.numbers + 4 * (size_t)quad;
     float *corners = tree->bvh.corners + 36 * (size_t)quad;

@@ -10,7 +10,7 @@
 uint32_t mlrt_count_given_quads(const struct mlrt_tree *tree)
 {
     uint32_t count = (uint32_t)(tree->info.non_finite_count + tree->info.zero_area_count);
-    const uint32_t doubtful_count = mlrt_has_usual_triangles(tree) ? 0 : tree->triangle_count;
+    const uint32_t doubtful_count = tree->bvh.is_usual ? 0 : tree->triangle_count;
     for (uint32_t i = 0; i < doubtful_count; ++i)
         count += (uint32_t)(mlrt_is_odd(tree, i) && !mlrt_is_left_out(tree, i));
     return (count + 3) / 4;

@@ -82,13 +82,8 @@ int mlrt_is_odd(const struct mlrt_tree *tree, uint32_t number)
 static int is_within(const struct mlrt_box *box, float limit)
 {
     for (int k = 0; k < 3; ++k)
-        if (box->lo[k] < -limit || box->hi[k] > limit) return 0;
+        if (!(box->lo[k] >= -limit && box->hi[k] <= limit)) return 0;
     return 1;
-}
-
-int mlrt_has_usual_triangles(const struct mlrt_tree *tree)
-{
-    return tree->bvh.unit == 1 && is_within(&tree->bvh.whole, MLRT_SAFE_MAX);
 }
 
 void mlrt_set_bvh_unit(struct mlrt_tree *tree)
@@ -106,6 +101,7 @@ void mlrt_set_bvh_extent(struct mlrt_tree *tree)
         bvh->whole.lo[k] = mlrt_low_in_units(tree->bounds.lo[k], bvh->unit);
         bvh->whole.hi[k] = mlrt_high_in_units(tree->bounds.hi[k], bvh->unit);
     }
+    bvh->is_usual = bvh->unit == 1 && is_within(&bvh->whole, MLRT_SAFE_MAX);
     bvh->core = bvh->whole;
     if (is_within(&bvh->whole, (float)(limit * bvh->unit))) return;
     for (uint32_t i = 0; i < tree->triangle_count; i += sample_step(tree)) {

@@ -64,7 +64,4 @@ static inline int mlrt_triangle_in_units(const struct mlrt_triangle *triangle, f
 /* 1 if a triangle is odd. */
 int mlrt_is_odd(const struct mlrt_tree *tree, uint32_t number);
 
-/* 1 if no triangle can be odd: the unit is 1, which is exact, and all coordinates are within MLRT_SAFE_MAX. */
-int mlrt_has_usual_triangles(const struct mlrt_tree *tree);
-
 #endif

@@ -37,6 +37,7 @@ struct mlrt_bvh {
     uint32_t leaf_quad_count; /* quads of leaves: the first ones */
     struct mlrt_box whole;    /* bounds of all triangles that leaves hold, in units */
     struct mlrt_box core;     /* estimated bounds of most of them, in units: no answer depends on it */
+    int is_usual;             /* 1 = no triangle can be odd: the unit is 1, and `whole` is within MLRT_SAFE_MAX */
 };
 
 /* The kd-tree. mlrta/kdtree.h describes its arrays. */

@@ -87,7 +87,7 @@ MLRT_NOINLINE void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct
     line->kind = MLRT_ONE_PLANE;
     if (mlrt_known_plane_of(worker, first) == mlrt_known_plane_of(worker, second)) return;
     line->kind = MLRT_NO_LINE;
-    if (!mlrt_has_usual_triangles(tree) && (mlrt_is_odd(tree, first) || mlrt_is_odd(tree, second))) return;
+    if (!tree->bvh.is_usual && (mlrt_is_odd(tree, first) || mlrt_is_odd(tree, second))) return;
     turn_plane(tree, &cache->waist, first, &plane_1);
     turn_plane(tree, &cache->waist, second, &plane_2);
     if (set_line(&plane_1, &plane_2, line)) {

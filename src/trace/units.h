@@ -207,7 +207,7 @@ static int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers,
                             uint32_t tried, uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     int changed = 0;
-    for (uint32_t left = mlrt_has_usual_triangles(job->tree) ? 0 : undecided; left; left &= left - 1) {
+    for (uint32_t left = job->tree->bvh.is_usual ? 0 : undecided; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), number = numbers[place];
         if (MLRT_LIKELY(!mlrt_is_odd(job->tree, number))) continue;
         const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
