@@ -93,9 +93,10 @@ struct lanes_hull {
 /* The search of a packet: its rays as they are tested against boxes, and its stack. */
 struct lanes_search {
     struct mlrt_reciprocals reciprocals;
-    MLRT_ALIGNED(64) float near[3][MLRT_PACKET_RAYS]; /* reciprocals, moved toward 0 */
-    MLRT_ALIGNED(64) float far[3][MLRT_PACKET_RAYS];  /* moved away from 0 */
-    uint32_t negative[3];                             /* lanes whose d_k is below 0 */
+    MLRT_ALIGNED(64) float near[3][MLRT_PACKET_RAYS];        /* -1 / d, moved toward 0 */
+    MLRT_ALIGNED(64) float far[3][MLRT_PACKET_RAYS];         /* -1 / d, moved away from 0 */
+    MLRT_ALIGNED(64) uint32_t near_row[3][MLRT_PACKET_RAYS]; /* as in struct single_ray */
+    uint32_t negative[3];                                    /* lanes whose d_k is below 0 */
     struct lanes_hull hull;
     int one_origin;
     float origin[3]; /* of all rays, if one_origin */
@@ -154,8 +155,8 @@ static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes
     for (int k = 0; k < 3; ++k) {
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             const vf r = v_load(search->reciprocals.rounded[k] + v);
-            v_store(search->near[k] + v, v_mul(r, v_set1(1 - RECIPROCAL_SLACK)));
-            v_store(search->far[k] + v, v_mul(r, v_set1(1 + RECIPROCAL_SLACK)));
+            v_store(search->near[k] + v, v_mul(r, v_set1(RECIPROCAL_SLACK - 1)));
+            v_store(search->far[k] + v, v_mul(r, v_set1(-RECIPROCAL_SLACK - 1)));
         }
     }
     search->alive = lanes;
@@ -168,7 +169,9 @@ static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes
         uint32_t negative = 0, positive = 0;
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             const vf d = v_load(packet->direction[k] + v);
-            negative |= m_bits(v_lt(d, v_set1(0))) << v;
+            const vm down = v_lt(d, v_set1(0));
+            negative |= m_bits(down) << v;
+            i_store(search->near_row[k] + v, i_select(down, i_set1(row_of_planes(1, k)), i_set1(row_of_planes(0, k))));
             positive |= m_bits(v_gt(d, v_set1(0))) << v;
             reach = v_max(v_select(m_from_bits(lanes >> v), v_abs(d), reach), reach);
         }
@@ -185,8 +188,8 @@ static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes
         }
         search->hull.lo[k] = lowest_of(packet->origin[k], lanes);
         search->hull.hi[k] = highest_of(packet->origin[k], lanes);
-        const float *smaller = negative ? search->far[k] : search->near[k];
-        const float *larger = negative ? search->near[k] : search->far[k];
+        const float *smaller = negative ? search->near[k] : search->far[k];
+        const float *larger = negative ? search->far[k] : search->near[k];
         search->hull.reciprocal_lo[k] = lowest_of(smaller, lanes);
         search->hull.reciprocal_hi[k] = highest_of(larger, lanes);
     }
@@ -206,8 +209,8 @@ MLRT_INLINE uint32_t boxes_of_lanes(const struct lanes_search *search, const str
             if (search->hull.agree[k]) {
                 const int down = search->negative[k] != 0;
                 const vf lo = v_set1(search->hull.reciprocal_lo[k]), hi = v_set1(search->hull.reciprocal_hi[k]);
-                const vf near = down ? v_sub(greatest, from) : v_sub(least, to);
-                const vf far = down ? v_sub(least, to) : v_sub(greatest, from);
+                const vf near = down ? v_sub(from, greatest) : v_sub(to, least);
+                const vf far = down ? v_sub(to, least) : v_sub(from, greatest);
                 first = v_max(v_min(v_mul(near, lo), v_mul(near, hi)), first);
                 last = v_min(v_max(v_mul(far, lo), v_mul(far, hi)), last);
             } else {
@@ -236,9 +239,9 @@ MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struc
             const vf lo = v_set1(node->lo[k][place]), hi = v_set1(node->hi[k][place]);
             const vm down = m_from_bits(search->negative[k] >> v);
             const vf origin = v_load(packet->origin[k] + v);
-            const vf to_near = v_sub(v_select(down, hi, lo), origin), to_far = v_sub(v_select(down, lo, hi), origin);
-            first = v_max(v_mul(to_near, v_load(search->near[k] + v)), first);
-            last = v_min(v_mul(to_far, v_load(search->far[k] + v)), last);
+            const vf x = v_sub(origin, v_select(down, hi, lo)), y = v_sub(origin, v_select(down, lo, hi));
+            first = v_max(v_mul(x, v_load(search->near[k] + v)), first);
+            last = v_min(v_mul(y, v_load(search->far[k] + v)), last);
         }
         const vm hit = m_and(m_from_bits(lanes >> v), v_le(first, last));
         nearest = v_min(v_select(hit, any ? v_sub(first, last) : first, v_set1(INFINITY)), nearest);
@@ -283,25 +286,14 @@ MLRT_INLINE uint32_t test_boxes_by_lanes(const struct mlrt_packet *packet, const
                                          uint32_t lanes, int any, const struct lanes_search *search,
                                          struct boxes_met *of_boxes)
 {
-    MLRT_ALIGNED(64) float ways[6][BOXES_TOGETHER];
+    const char *planes = (const char *)(node->lo[0] + begin);
     vf nearest[VECTORS_TOGETHER];
     vi of[VECTORS_TOGETHER];
-    const float *planes = &node->lo[0][begin];
-    uint32_t stride = MLRT_BVH_WIDTH, met = 0;
+    uint32_t met = 0;
     MLRT_UNROLL
     for (int i = 0; i < VECTORS_TOGETHER; ++i) {
         nearest[i] = v_set1(INFINITY);
         of[i] = i_set1(0);
-    }
-    if (search->one_origin) {
-        for (int k = 0; k < 3; ++k) {
-            for (int v = 0; v < BOXES_TOGETHER; v += VW) {
-                v_store(ways[k] + v, v_sub(v_load(node->lo[k] + begin + v), v_set1(search->origin[k])));
-                v_store(ways[3 + k] + v, v_sub(v_load(node->hi[k] + begin + v), v_set1(search->origin[k])));
-            }
-        }
-        planes = ways[0];
-        stride = BOXES_TOGETHER;
     }
     for (uint32_t left = lanes; left; left &= left - 1) {
         const uint32_t lane = mlrt_lowest_bit(left);
@@ -313,18 +305,15 @@ MLRT_INLINE uint32_t test_boxes_by_lanes(const struct mlrt_packet *packet, const
         }
         MLRT_UNROLL
         for (uint32_t k = 0; k < 3; ++k) {
-            const uint32_t down = (search->negative[k] >> lane & 1) * 3;
-            const float *near_planes = planes + (down + k) * stride, *far_planes = planes + (3 - down + k) * stride;
+            const uint32_t near_row = search->near_row[k][lane];
+            const float *near = (const float *)(const void *)(planes + near_row);
+            const float *far = (const float *)(const void *)(planes + opposite_row(near_row, k));
             const vf origin = v_set1(packet->origin[k][lane]);
             MLRT_UNROLL
             for (int i = 0; i < VECTORS_TOGETHER; ++i) {
-                vf to_near = v_load(near_planes + i * VW), to_far = v_load(far_planes + i * VW);
-                if (!search->one_origin) {
-                    to_near = v_sub(to_near, origin);
-                    to_far = v_sub(to_far, origin);
-                }
-                first[i] = v_max(v_mul(to_near, v_set1(search->near[k][lane])), first[i]);
-                last[i] = v_min(v_mul(to_far, v_set1(search->far[k][lane])), last[i]);
+                const vf x = v_sub(origin, v_load(near + i * VW)), y = v_sub(origin, v_load(far + i * VW));
+                first[i] = v_max(v_mul(x, v_set1(search->near[k][lane])), first[i]);
+                last[i] = v_min(v_mul(y, v_set1(search->far[k][lane])), last[i]);
             }
         }
         MLRT_UNROLL

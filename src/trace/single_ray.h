@@ -80,6 +80,18 @@
  */
 #define WAITING_LIMIT ((MLRT_BVH_WIDTH - 1) * MLRT_BVH_DEPTH_LIMIT + 1)
 
+/* Bytes from the start of a node to the lower, or upper, planes of its boxes along axis k. */
+MLRT_INLINE uint32_t row_of_planes(uint32_t is_upper, uint32_t k)
+{
+    return (3 * is_upper + k) * (uint32_t)sizeof(float[MLRT_BVH_WIDTH]);
+}
+
+/* The other of these rows. */
+MLRT_INLINE uint32_t opposite_row(uint32_t row, uint32_t k)
+{
+    return row_of_planes(0, k) + row_of_planes(1, k) - row;
+}
+
 struct single_ray {
     vf origin[3];
     vf direction[3];
@@ -124,10 +136,10 @@ MLRT_INLINE void set_single_ray(const struct ray_rows *rows, const struct mlrt_p
 {
     float reach = 0;
     MLRT_UNROLL
-    for (size_t k = 0; k < 3; ++k) {
+    for (uint32_t k = 0; k < 3; ++k) {
         const float d = rows->direction[k * rows->step];
         const float r = rows->reciprocal[k * rows->step];
-        const size_t lo = k * sizeof(float[MLRT_BVH_WIDTH]), hi = lo + 3 * sizeof(float[MLRT_BVH_WIDTH]);
+        const uint32_t lo = row_of_planes(0, k), hi = row_of_planes(1, k);
         ray->origin[k] = v_set1(rows->origin[k * rows->origin_step]);
         ray->direction[k] = v_set1(d);
         ray->near[k] = v_set1(r * (RECIPROCAL_SLACK - 1));
