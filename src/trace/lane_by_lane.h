@@ -618,41 +618,62 @@ MLRT_INLINE void set_plane_by_sides(const vf term[SIDE_TERMS], const vf to[3], s
                                      v_mul_add(test->plane_bound, v_set1(QUOTIENT_FLOOR), floor));
 }
 
-/* Tests lanes against the triangle at `place`. Returns the lanes with a nearer hit. */
-static MLRT_NOINLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job, uint32_t lanes,
-                                                     const float (*terms)[MLRT_BVH_LEAF_LIMIT], uint32_t place,
-                                                     uint32_t number, struct mlrt_packet *packet,
-                                                     struct mlrt_worker *worker)
+/* Tests lanes of a vector against the triangle at `place`. Returns the lanes with a nearer hit. */
+MLRT_INLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job, const float (*terms)[MLRT_BVH_LEAF_LIMIT],
+                                            uint32_t place, const vf origin[3], const vf d[3], uint32_t lanes,
+                                            uint32_t number, int v, struct mlrt_packet *packet,
+                                            struct mlrt_worker *worker)
 {
     struct outcome outcome = {0, 0, 0};
-    vf term[SIDE_TERMS];
+    struct float_test test;
+    vf term[SIDE_TERMS], to[3];
     MLRT_UNROLL
     for (int i = 0; i < SIDE_TERMS; i += 3) {
         MLRT_UNROLL
         for (int k = 0; k < 3; ++k) term[i + k] = v_set1(terms[i + k][place]);
     }
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vm active = concerned_rays(packet, lanes, number, v);
-        if (!m_bits(active)) continue;
-        vf to[3], d[3];
-        MLRT_UNROLL
-        for (uint32_t k = 0; k < 3; ++k) {
-            to[k] = v_sub(term[k], v_load(packet->origin[k] + v));
-            d[k] = v_load(packet->direction[k] + v);
-        }
-        struct float_test test;
-        set_edges_by_sides(term, to, d, &test);
-        set_plane_by_sides(term, to, &test);
-        const vf t_min = v_load(packet->t_min + v);
-        const vm inside = may_be_inside(&test, active);
-        const vm candidates = may_be_nearer(&test, inside, t_min, v_load(packet->nearest.hi + v));
-        if (!m_bits(candidates)) continue; /* one branch, after distances */
-        struct verdict verdict = compare_with_nearest_hits(&test, candidates, t_min, v_load(packet->nearest.lo + v));
-        bound_distances(&test, &verdict);
-        keep_verdict(&verdict, number, v, packet, &outcome);
-    }
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) to[k] = v_sub(term[k], origin[k]);
+    set_edges_by_sides(term, to, d, &test);
+    set_plane_by_sides(term, to, &test);
+    const vf t_min = v_load(packet->t_min + v);
+    const vm inside = may_be_inside(&test, concerned_rays(packet, lanes, number, v));
+    const vm candidates = may_be_nearer(&test, inside, t_min, v_load(packet->nearest.hi + v));
+    if (!m_bits(candidates)) return 0; /* one branch, after distances */
+    struct verdict verdict = compare_with_nearest_hits(&test, candidates, t_min, v_load(packet->nearest.lo + v));
+    bound_distances(&test, &verdict);
+    keep_verdict(&verdict, number, v, packet, &outcome);
     if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;
     return outcome.nearer | decide_scaled_lanes(job, number, outcome.undecided, outcome.inside, packet, worker);
+}
+
+/* Tests lanes against the triangles of a leaf. Returns the lanes with a nearer hit. */
+static MLRT_NOINLINE uint32_t test_triangles_by_lanes(const struct mlrt_job *job,
+                                                      const float (*terms)[MLRT_BVH_LEAF_LIMIT],
+                                                      const uint32_t *numbers, uint32_t row, uint32_t lanes,
+                                                      struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    uint32_t all_changed = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        uint32_t left = lanes & ALL_LANES << v;
+        vf origin[3], d[3];
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k) {
+            origin[k] = v_load(packet->origin[k] + v);
+            d[k] = v_load(packet->direction[k] + v);
+        }
+        for (uint32_t i = 0; i < row && numbers[i] != MLRT_NONE && left; ++i) {
+            const uint32_t seeing = lanes_that_see(job, worker, packet, numbers[i], left);
+            if (!seeing) continue;
+            COUNT(&worker->counters, triangle_test_count, 1);
+            COUNT(&worker->counters, lane_test_count, mlrt_count_bits(seeing));
+            const uint32_t changed =
+                test_triangle_by_lanes(job, terms, i, origin, d, seeing, numbers[i], v, packet, worker);
+            all_changed |= changed;
+            if (job->any) left &= ~changed;
+        }
+    }
+    return all_changed;
 }
 
 /* Traces lanes one by one through a child of a node. */
@@ -687,7 +708,7 @@ MLRT_INLINE uint32_t test_triangles_lane_by_lane(const struct mlrt_job *job, uin
         struct float_test test;
         set_edges_by_sides(term, to, d, &test);
         const vm inside = may_be_inside(&test, m_from_bits(ALL_LANES));
-        if (!(m_bits(inside) & places) && !MLRT_COUNTING) continue;
+        if (VW <= 4 && !(m_bits(inside) & places) && !MLRT_COUNTING) continue; /* see test_leaf */
         set_plane_by_sides(term, to, &test);
         const vf t_min = v_set1(packet->t_min[lane]);
         struct corner_rows nearest = {NULL, 0};
@@ -737,17 +758,9 @@ static MLRT_NOINLINE void test_leaf_by_lanes(const struct mlrt_job *job, uint32_
             for (int k = 0; k < 3; ++k) v_store(terms[i + k] + v, term[i + k]);
         }
     }
-    for (uint32_t i = 0; i < row && numbers[i] != MLRT_NONE && lanes; ++i) {
-        const uint32_t seeing = lanes_that_see(job, worker, packet, numbers[i], lanes);
-        if (!seeing) continue;
-        COUNT(&worker->counters, triangle_test_count, 1);
-        COUNT(&worker->counters, lane_test_count, mlrt_count_bits(seeing));
-        const uint32_t changed = test_triangle_by_lanes(job, seeing, (const float(*)[MLRT_BVH_LEAF_LIMIT])terms, i,
-                                                        numbers[i], packet, worker);
-        if (!job->any) continue;
-        lanes &= ~changed;
-        search->alive &= ~changed;
-    }
+    const uint32_t changed = test_triangles_by_lanes(job, (const float(*)[MLRT_BVH_LEAF_LIMIT])terms, numbers, row,
+                                                     lanes, packet, worker);
+    if (job->any) search->alive &= ~changed;
 }
 
 /* Traces those rays of a packet, which are in units, that are in `lanes`. */
