@@ -72,6 +72,9 @@ static inline struct mlrt_corners mlrt_corners_of(const struct mlrt_triangles *t
                                  4 * mlrt_quad_count_of(packed), quad < triangles->given_quad};
 }
 
+/* The triangle with these corners, bit for bit as it was given. */
+struct mlrt_triangle mlrt_triangle_of(const struct mlrt_corners *from, float inverse_unit);
+
 /* Triangle `number`, bit for bit as it was given. */
 struct mlrt_triangle mlrt_triangle_at(const struct mlrt_triangles *triangles, uint32_t number);
 

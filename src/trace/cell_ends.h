@@ -125,7 +125,7 @@ static int turn_slab(const struct mlrt_array_cells *cells, uint32_t place, const
  * As find_packets_apart (cover.h), of cells of arrays: returns those of `places` none of whose rays reaches the
  * triangle `number`, as all end before its plane, or all begin behind it.
  */
-static MLRT_NOINLINE uint32_t find_cells_apart(const struct mlrt_tree *tree, const struct mlrt_bundle *bundle,
+static MLRT_NOINLINE uint32_t find_cells_apart(const struct mlrt_bundle *bundle, const struct mlrt_triangle *triangle,
                                                uint32_t number, uint32_t places, uint32_t at_end, uint32_t backward)
 {
     struct mlrt_array_cells *cells = bundle->arrays;
@@ -133,8 +133,7 @@ static MLRT_NOINLINE uint32_t find_cells_apart(const struct mlrt_tree *tree, con
     uint32_t apart = 0;
     places &= cells->are_parallel ? ~at_end : cells->have_ends ? at_end : 0;
     if (!places) return 0;
-    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
-    mlrt_see_plane_of_cells(cells, &triangle, &of);
+    mlrt_see_plane_of_cells(cells, triangle, &of);
     if ((bundle->waist.sign < 0) != cells->are_parallel) backward = ~backward;
     for (; places; places &= places - 1) {
         const uint32_t place = mlrt_lowest_bit(places), bit = places & (0u - places);

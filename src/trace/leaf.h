@@ -214,6 +214,15 @@ static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const s
     leaf->state.doubtful |= doubtful_places(leaf) & now;
 }
 
+/* The triangle at a place, as it was given. It is read from the leaf: where it lies by its number is seldom in the cache. */
+static struct mlrt_triangle triangle_of_leaf(const struct mlrt_tree *tree, const struct mlrt_bundle_leaf *leaf,
+                                             uint32_t place)
+{
+    const struct mlrt_corners from = {leaf->corners + place, leaf->row, 1};
+    if (MLRT_UNLIKELY(leaf->state.odd >> place & 1)) return mlrt_triangle_at(&tree->by_number, leaf->numbers[place]);
+    return mlrt_triangle_of(&from, 1 / tree->bvh.unit);
+}
+
 /* The entry of a cache that may have the set-up of a leaf. */
 MLRT_INLINE uint32_t place_of_leaf(uint32_t child, const struct mlrt_bundle_cache *cache)
 {

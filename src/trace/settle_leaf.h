@@ -14,6 +14,7 @@
 #include "rays/slope_limits.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
+#include "trace/leaf.h"
 #include "trace/nearest_hits.h"
 #include "trace/plane_order.h"
 #include "trace/plane_sides.h"
@@ -123,9 +124,10 @@ static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, st
  * there (plane_sides.h). A call decides only one of both ends and one sign of D, those of the first lane. Returns
  * the lanes that remain undecided.
  */
-static MLRT_NOINLINE uint32_t settle_ends(const struct mlrt_job *job, const struct mlrt_bundle *bundle, uint32_t place,
-                                          uint32_t number, uint32_t lanes, vm inside, const struct plane_of_rays *of,
-                                          int v, struct nearest_hits *hits)
+static MLRT_NOINLINE uint32_t settle_ends(const struct mlrt_tree *tree, const struct mlrt_bundle *bundle,
+                                          const struct mlrt_bundle_leaf *leaf, uint32_t triangle, uint32_t place,
+                                          uint32_t lanes, vm inside, const struct plane_of_rays *of, int v,
+                                          struct nearest_hits *hits)
 {
     const struct mlrt_packet *packet = &bundle->tile->packets[place];
     const uint32_t begun = m_bits(of->begun), backward = m_bits(of->backward);
@@ -135,8 +137,8 @@ static MLRT_NOINLINE uint32_t settle_ends(const struct mlrt_job *job, const stru
     const int at_end = begun >> first & 1, is_backward = backward >> first & 1;
     those &= (at_end ? begun : ~begun) & (is_backward ? backward : ~backward);
     struct mlrt_plane plane;
-    const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
-    mlrt_set_plane(&triangle, &plane);
+    const struct mlrt_triangle corners = triangle_of_leaf(tree, leaf, triangle);
+    mlrt_set_plane(&corners, &plane);
     const float *t = at_end ? packet->t_max : packet->has.limits ? packet->t_min : NULL;
     struct measured_lanes n;
     measure_n(&plane, packet, 0, &n);
@@ -147,7 +149,7 @@ static MLRT_NOINLINE uint32_t settle_ends(const struct mlrt_job *job, const stru
     const uint32_t missed = (at_end ? sides.before : sides.behind) >> v & those;
     const uint32_t within = at_end ? sides.behind >> v : sides.before >> v & m_bits(nearer);
     const uint32_t hit = those & within & m_bits(inside);
-    hits->triangle = i_select(m_from_bits(hit), i_set1(number), hits->triangle);
+    hits->triangle = i_select(m_from_bits(hit), i_set1(leaf->numbers[triangle]), hits->triangle);
     return lanes & ~(missed | hit);
 }
 
@@ -180,7 +182,9 @@ static MLRT_NOINLINE uint32_t settle_leaf(const struct mlrt_job *job, struct mlr
         }
         if (job->any) {
             left &= m_bits(i_eq(nearest->triangle, i_set1(MLRT_NONE)));
-            if (left) left = settle_ends(job, bundle, place, number, left, close[i].inside, plane, v, nearest);
+            if (left)
+                left = settle_ends(job->tree, bundle, leaf, close[i].triangle, place, left, close[i].inside, plane, v,
+                                   nearest);
         } else {
             if (left) left = settle_lanes(job, worker, bundle, place, number, left, close[i].inside, plane, v, nearest);
         }
