@@ -292,8 +292,8 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
     }
     for (met &= bundle->state.going & (seen ? met : listed); met; met &= met - 1) {
         const uint32_t place = mlrt_lowest_bit(met);
-        const uint32_t triangles =
-            triangles_of_packet(packets_of, place) | (seen ? cut_triangles(bundle, leaf, place, seen) : 0);
+        uint32_t triangles = listed >> place & 1 ? triangles_of_packet(packets_of, place) : 0;
+        if (seen) triangles |= cut_triangles(bundle, leaf, place, seen);
         if (triangles) visit_by_packet(job, worker, bundle, leaf, triangles, place);
     }
     settle_bundle(bundle);
