@@ -279,11 +279,34 @@ struct mlrt_cell_parts {
     struct mlrt_open_edge edges[MLRT_MOST_OPEN_EDGES];
 };
 
+/*
+ * Areas that do without an attempt, after one in which it was in vain: 1, and if the next attempt is in vain as well 3,
+ * then 7, and so on. After an attempt that was not in vain the next area makes one, too.
+ */
+struct mlrt_run {
+    uint32_t left;   /* areas, from this one on */
+    uint32_t length; /* areas at first */
+};
+
+/* Does the next area do without the attempt? */
+static inline int mlrt_is_in_run(struct mlrt_run *run)
+{
+    if (run->left == 0) return 0;
+    --run->left;
+    return 1;
+}
+
+/* Notes an attempt. A run has between `least` and `longest` areas: both are one less than a power of two. */
+static inline void mlrt_note_attempt(int is_vain, uint32_t least, uint32_t longest, struct mlrt_run *run)
+{
+    run->length = is_vain ? ((2 * run->length + 1) | least) & longest : 0;
+    run->left = run->length;
+}
+
 /* Of the cells of a square. */
 struct mlrt_cover_parts {
-    uint32_t lone_squares; /* in how many squares, from this one on, no cell waits for further parts */
-    uint32_t lone_run;     /* and how many they were at first */
-    uint32_t waited;       /* cells that have had a part */
+    struct mlrt_run lone_squares; /* in which no cell waits for further parts */
+    uint32_t waited;              /* cells that have had a part */
     struct mlrt_cell_parts cells[MLRT_BUNDLE_PACKETS];
 };
 
@@ -292,10 +315,10 @@ struct mlrt_cover_parts {
  * turns.
  */
 struct mlrt_bundles {
-    uint32_t open_bundles[2]; /* how many of the next tiles begin with open packets */
-    uint32_t lane_tiles[2];   /* how many of the next tiles go lane by lane */
-    uint32_t open_tiles;      /* how many of the next tiles begin with open cells (levels.h) */
-    uint32_t open_squares;    /* how many of the next squares are traced tile by tile */
+    struct mlrt_run open_bundles[2]; /* tiles that begin with open packets */
+    struct mlrt_run open_tiles;      /* tiles that begin with open cells (levels.h) */
+    struct mlrt_run open_squares;    /* squares that are traced tile by tile */
+    uint32_t lane_tiles[2];          /* how many of the next tiles go lane by lane */
     struct mlrt_bundle_cache caches[2];
     struct mlrt_kept_surface surfaces[MLRT_KEPT_SURFACES]; /* that a picture's rays hit, if it has lights */
     struct mlrt_cover_parts parts;

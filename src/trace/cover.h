@@ -480,7 +480,7 @@ static MLRT_NOINLINE uint32_t offer_to_packets(const struct mlrt_job *job, struc
                                                ? offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 1)
                                                : offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 0);
     uint32_t may = of.may & among & ~of.covered, covered = of.covered;
-    if (bundle->arrays && of.in_part && !worker->bundles->parts.lone_squares) {
+    if (bundle->arrays && of.in_part && !worker->bundles->parts.lone_squares.left) {
         struct mlrt_offered_packets parts = {may, covered, of.in_part, of.backward};
         mlrt_add_cover_part(bundle, leaf, triangle, cell_skips, &worker->bundles->parts, &parts);
         may = parts.may, covered = parts.covered;

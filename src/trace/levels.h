@@ -80,10 +80,9 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
 {
     struct mlrt_ray_tile *tile = bundle->tile;
     if (gather_cells(job, &tile->area, 4, NULL, bundle)) {
-        trace_cells(job, worker, worker->bundles->open_tiles != 0, bundle);
-        worker->bundles->open_tiles = worker->bundles->open_tiles ? worker->bundles->open_tiles - 1
-                                      : !bundle->state.closed     ? MLRT_TILE_RUN
-                                                                  : 0;
+        const int is_open = mlrt_is_in_run(&worker->bundles->open_tiles);
+        trace_cells(job, worker, is_open, bundle);
+        if (!is_open) mlrt_note_attempt(!bundle->state.closed, 1, MLRT_TILE_RUN, &worker->bundles->open_tiles);
         return;
     }
     tile->made = 0xFFFF;
@@ -163,11 +162,10 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
     struct mlrt_array_cells arrays;
     bundle.tile = NULL;
     bundle.state.closed = 0;
-    if (worker->bundles->open_squares) {
-        --worker->bundles->open_squares;
-    } else {
+    if (!mlrt_is_in_run(&worker->bundles->open_squares)) {
         if (gather_cells(job, area, 16, &arrays, &bundle)) trace_cells(job, worker, 0, &bundle);
-        if (!bundle.state.closed) worker->bundles->open_squares = MLRT_SQUARE_RUN;
+        const uint32_t least = job->source.kind == MLRT_SOURCE_CAMERA ? 1 : MLRT_READ_RUN;
+        mlrt_note_attempt(!bundle.state.closed, least, MLRT_SQUARE_RUN, &worker->bundles->open_squares);
     }
     struct known_lights known[MLRT_CELL_COUNT];
     uint32_t known_cells = bundle.state.closed;

@@ -537,8 +537,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     if (!bundle->state.going) return others;
     bundle->has.places = (bundle->state.going & ~bundle->state.apexes) != 0;
     finish_all_hulls(bundle);
-    bundle->state.closed = worker->bundles->open_bundles[job->any] ? 0 : bundle->state.going;
-    if (worker->bundles->open_bundles[job->any]) --worker->bundles->open_bundles[job->any];
+    bundle->state.closed = mlrt_is_in_run(&worker->bundles->open_bundles[job->any]) ? 0 : bundle->state.going;
     bundle->state.closed |= cells;
     for (uint32_t left = bundle->state.closed & places; left; left &= left - 1) {
         if (bundle->tile->packets[mlrt_lowest_bit(left)].has.masks) bundle->state.closed &= ~(left & (0u - left));
@@ -647,8 +646,9 @@ static uint32_t trace_as_bundle(const struct mlrt_job *job, struct mlrt_worker *
         worker->bundles->lane_tiles[job->any] = MLRT_LANE_TILES;
     if (!bundle->state.going) return others;
     trace_going_packets(job, worker, bundle);
-    if (closed && !(bundle->state.closed & bundle->state.going & places) && !(bundle->state.covered & places)) {
-        worker->bundles->open_bundles[job->any] = MLRT_TILE_RUN;
+    if (closed) {
+        const uint32_t done = (bundle->state.closed & bundle->state.going) | bundle->state.covered;
+        mlrt_note_attempt(!(done & places), MLRT_READ_RUN, MLRT_TILE_RUN, &worker->bundles->open_bundles[job->any]);
     }
     return others | bundle->state.set_aside;
 }
