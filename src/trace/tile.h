@@ -271,8 +271,9 @@ MLRT_INLINE uint32_t triangles_of_packet(const uint32_t packets_of[MLRT_BVH_LEAF
 }
 
 /*
- * Tests the packets `met` against a leaf. While a packet is closed, or there are no more triangles than packets, each
- * triangle is tested against all packets at once (cover.h). Then each packet is tested against the other triangles.
+ * Tests the packets `met` against a leaf. While a packet is closed, or there are no more triangles than vectors of
+ * packets are worth it, each triangle is tested against all packets at once (cover.h). Then each packet is tested
+ * against the other triangles.
  */
 MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
                                       struct mlrt_bundle *bundle, uint32_t child, uint32_t met, int has_places)
@@ -285,7 +286,8 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
     for (; seen; seen &= seen - 1) {
         const uint32_t among = met & bundle->state.going;
         if (!among) break;
-        if (!(among & bundle->state.closed) && mlrt_count_bits(seen) > mlrt_count_bits(among)) break;
+        const int is_cheaper = PACKET_VECTORS * mlrt_count_bits(seen) <= mlrt_count_bits(among);
+        if (!(among & bundle->state.closed) && !is_cheaper) break;
         const uint32_t may = offer_to_packets(job, worker, bundle, leaf, mlrt_lowest_bit(seen), among);
         packets_of[mlrt_lowest_bit(seen)] = may;
         listed |= may;
