@@ -433,7 +433,8 @@ static void set_up_triangle(const float *input)
     leaf.state.flipped = leaf.state.fans = 0;
     leaf.state.there = leaf.state.from_waist = 1;
     leaf.numbers = &number;
-    set_outlines(&bundle.waist, (const vf(*)[3])corners.to, 0, &leaf);
+    leaf.has_places = bundle.has.places;
+    set_outlines(&bundle.waist, (const vf(*)[3])corners.to, 1, 0, &leaf);
     divisor_count = 0;
     set_up_bundle_vector(&corners, 0, bundle.has.places, &leaf); /* divisors: of n, of edges ab, bc, ca */
     leaf.state.doubtful = doubtful_places(&leaf) & 1;

@@ -182,13 +182,13 @@ static MLRT_NOINLINE void begin_bundle_leaf(const struct mlrt_tree *tree, const 
         leaf->state.odd = 0;
     for (uint32_t v = 0; v < row; v += VW) {
         struct bundle_corners of;
+        const uint32_t in_row = 0xFFFFu >> (MLRT_BVH_LEAF_LIMIT - row) >> v & ALL_LANES;
+        const uint32_t there = in_row & ~m_bits(i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE)));
         load_bundle_corners(waist, leaf->corners, row, v, &of);
-        set_outlines(waist, (const vf(*)[3])of.to, v, leaf);
-        leaf->state.there |= (~m_bits(i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE))) & ALL_LANES) << v;
-        leaf->state.odd |= (~m_bits(v_eq(of.from[0][0], of.from[0][0])) & ALL_LANES) << v;
+        set_outlines(waist, (const vf(*)[3])of.to, there, v, leaf);
+        leaf->state.there |= there << v;
+        leaf->state.odd |= (there & ~m_bits(v_eq(of.from[0][0], of.from[0][0]))) << v;
     }
-    leaf->state.there &= 0xFFFFu >> (MLRT_BVH_LEAF_LIMIT - row);
-    leaf->state.odd &= leaf->state.there;
     if (MLRT_UNLIKELY(leaf->state.odd != 0)) mlrt_set_odd_outlines(tree, waist, leaf);
     if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL))
         leaf->state.there = mlrt_visible_places(tree, leaf->numbers, leaf->state.there, mask);

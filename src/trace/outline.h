@@ -62,8 +62,11 @@ MLRT_INLINE void take_hull(const struct mlrt_bundle *bundle, uint32_t place, str
     }
 }
 
-/* Sets the outlines of a vector of triangles, from their corners relative to the waist. */
-MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)[3], uint32_t v,
+/*
+ * Sets the outlines of a vector of triangles, of which `there` exist, from their corners relative to the waist. Fans have
+ * a weight only if rays have places; without, it is any number.
+ */
+MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)[3], uint32_t there, uint32_t v,
                               struct mlrt_bundle_leaf *leaf)
 {
     const vf a = corner[0][0], b = corner[1][0], c = corner[2][0], slack = v_set1(SLOPE_SLACK),
@@ -73,7 +76,7 @@ MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)
     vm is_fan = v_gt(least, small);
     if (waist->is_beam) is_fan = m_from_bits(0);
     const vf scale[3] = {v_div(v_set1(1), a), v_div(v_set1(1), b), v_div(v_set1(1), c)};
-    const int are_fans = m_bits(is_fan) == ALL_LANES;
+    const int are_fans = !(there & ~m_bits(is_fan));
     v_store(leaf->outline.near + v, near);
     v_store(leaf->outline.far + v, far);
     MLRT_UNROLL
@@ -99,7 +102,8 @@ MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)
         v_store(leaf->outline.lo[i] + v, from);
         v_store(leaf->outline.hi[i] + v, to);
     }
-    v_store(leaf->outline.weight + v, v_mul(v_select(is_fan, v_div(v_set1(1), least), greatest), wider));
+    const vf weight = leaf->has_places ? v_select(is_fan, v_div(v_set1(1), least), greatest) : greatest;
+    v_store(leaf->outline.weight + v, v_mul(weight, wider));
     leaf->state.fans |= m_bits(is_fan) << v;
 }
 
