@@ -214,7 +214,7 @@ static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const s
     leaf->state.doubtful |= doubtful_places(leaf) & now;
 }
 
-/* The triangle at a place, as it was given. It is read from the leaf: where it lies by its number is seldom in the cache. */
+/* The triangle at a place, as it was given, read from the leaf: where its number lies is seldom in the cache. */
 static struct mlrt_triangle triangle_of_leaf(const struct mlrt_tree *tree, const struct mlrt_bundle_leaf *leaf,
                                              uint32_t place)
 {

@@ -63,8 +63,8 @@ MLRT_INLINE void take_hull(const struct mlrt_bundle *bundle, uint32_t place, str
 }
 
 /*
- * Sets the outlines of a vector of triangles, of which `there` exist, from their corners relative to the waist. Fans have
- * a weight only if rays have places; without, it is any number.
+ * Sets the outlines of a vector of triangles, of which `there` exist, from their corners relative to the waist. Fans
+ * have a weight only if rays have places; without, it is any number.
  */
 MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)[3], uint32_t there, uint32_t v,
                               struct mlrt_bundle_leaf *leaf)
