@@ -433,6 +433,8 @@ static void set_up_triangle(const float *input)
     leaf.state.flipped = leaf.state.fans = 0;
     leaf.state.there = leaf.state.from_waist = 1;
     leaf.numbers = &number;
+    leaf.corners = input;
+    leaf.row = 1;
     leaf.has_places = bundle.has.places;
     set_outlines(&bundle.waist, (const vf(*)[3])corners.to, 1, 0, &leaf);
     divisor_count = 0;

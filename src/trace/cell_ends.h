@@ -22,6 +22,7 @@
 #include "trace/bundle.h"
 #include "trace/cells.h"
 #include "trace/planes.h"
+#include "trace/leaf.h"
 #include "trace/ray_hulls.h"
 
 /* The tile of a square that a cell stands for. */
@@ -123,23 +124,25 @@ static int turn_slab(const struct mlrt_array_cells *cells, uint32_t place, const
 
 /*
  * As find_packets_apart (cover.h), of cells of arrays: returns those of `places` none of whose rays reaches the
- * triangle `number`, as all end before its plane, or all begin behind it.
+ * triangle at a place of a leaf, as all end before its plane, or all begin behind it.
  */
-static MLRT_NOINLINE uint32_t find_cells_apart(const struct mlrt_bundle *bundle, const struct mlrt_triangle *triangle,
-                                               uint32_t number, uint32_t places, uint32_t at_end, uint32_t backward)
+static MLRT_NOINLINE uint32_t find_cells_apart(const struct mlrt_tree *tree, const struct mlrt_bundle *bundle,
+                                               const struct mlrt_bundle_leaf *leaf, uint32_t triangle, uint32_t places,
+                                               uint32_t at_end, uint32_t backward)
 {
     struct mlrt_array_cells *cells = bundle->arrays;
     struct mlrt_plane_of_cells of;
     uint32_t apart = 0;
     places &= cells->are_parallel ? ~at_end : cells->have_ends ? at_end : 0;
     if (!places) return 0;
-    mlrt_see_plane_of_cells(cells, triangle, &of);
+    const struct mlrt_triangle corners = triangle_of_leaf(tree, leaf, triangle);
+    mlrt_see_plane_of_cells(cells, &corners, &of);
     if ((bundle->waist.sign < 0) != cells->are_parallel) backward = ~backward;
     for (; places; places &= places - 1) {
         const uint32_t place = mlrt_lowest_bit(places), bit = places & (0u - places);
         struct mlrt_cell_slab *slab = &cells->slabs[place];
         of.sign = backward & bit ? -1 : 1;
-        if (bundle->hulls.closed.skip[place] == number || mlrt_is_slab_apart(slab, &of) ||
+        if (bundle->hulls.closed.skip[place] == leaf->numbers[triangle] || mlrt_is_slab_apart(slab, &of) ||
             turn_slab(cells, place, &of, slab))
             apart |= bit;
     }

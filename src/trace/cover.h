@@ -325,14 +325,17 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
  * rays start on the surface that it is part of, or end before it. D has one sign for all rays of a packet. `backward`
  * has that sign relative to the waist, where depth may go down the axis; the plane has the sign as it is.
  */
-static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_bundle *bundle, const struct mlrt_triangle *triangle,
-                                                 uint32_t number, uint32_t places, uint32_t at_end, uint32_t backward)
+static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, const struct mlrt_bundle *bundle,
+                                                 const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
+                                                 uint32_t places, uint32_t at_end, uint32_t backward)
 {
+    const uint32_t number = leaf->numbers[triangle];
+    const struct mlrt_triangle corners = triangle_of_leaf(tree, leaf, triangle);
     struct mlrt_plane plane;
     struct measured_lanes n = {d_set1(0), d_set1(0)};
     const float *apex = NULL; /* of `n` */
     uint32_t apart = 0;
-    mlrt_set_plane(triangle, &plane);
+    mlrt_set_plane(&corners, &plane);
     if (bundle->waist.sign < 0) backward = ~backward;
     for (; places; places &= places - 1) {
         const uint32_t place = mlrt_lowest_bit(places);
@@ -424,13 +427,14 @@ MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_jo
             const uint32_t others = may_be & bundle->state.closed >> v & ~made;
             if (others && bundle->ends_at_skip)
                 met &= ~find_packets_behind(job, worker, bundle, number, others, v, &of);
-            if (those || (others && bundle->arrays)) {
-                const struct mlrt_triangle corners = triangle_of_leaf(job->tree, leaf, triangle);
-                const uint32_t at_end = ~m_bits(near_begin) << v, backward = m_bits(of.backward) << v;
-                uint32_t apart = 0;
-                if (bundle->arrays) apart = find_cells_apart(bundle, &corners, number, others << v, at_end, backward);
-                if (those) apart |= find_packets_apart(bundle, &corners, number, those, at_end, backward);
-                met &= ~(apart >> v);
+            if (others && bundle->arrays)
+                met &= ~(find_cells_apart(job->tree, bundle, leaf, triangle, others << v, ~m_bits(near_begin) << v,
+                                          m_bits(of.backward) << v) >>
+                         v);
+            if (those) {
+                met &= ~(find_packets_apart(job->tree, bundle, leaf, triangle, those, ~m_bits(near_begin) << v,
+                                            m_bits(of.backward) << v) >>
+                         v);
             }
         }
         const uint32_t with_rays = (bundle->tile ? bundle->tile->made : 0) >> v & bundle->state.closed >> v;

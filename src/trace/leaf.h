@@ -139,7 +139,7 @@ MLRT_INLINE void set_up_vector_by(const struct bundle_corners *corners, uint32_t
     v_store(leaf->edges.steepness + v, steepness);
 }
 
-static MLRT_NOINLINE void set_up_bundle_vector(const struct bundle_corners *corners, uint32_t v, int has_places,
+MLRT_INLINE void set_up_bundle_vector(const struct bundle_corners *corners, uint32_t v, int has_places,
                                                struct mlrt_bundle_leaf *leaf)
 {
     if (has_places) {
@@ -215,8 +215,8 @@ static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const s
 }
 
 /* The triangle at a place, as it was given, read from the leaf: where its number lies is seldom in the cache. */
-static struct mlrt_triangle triangle_of_leaf(const struct mlrt_tree *tree, const struct mlrt_bundle_leaf *leaf,
-                                             uint32_t place)
+static MLRT_NOINLINE struct mlrt_triangle triangle_of_leaf(const struct mlrt_tree *tree,
+                                                           const struct mlrt_bundle_leaf *leaf, uint32_t place)
 {
     const struct mlrt_corners from = {leaf->corners + place, leaf->row, 1};
     if (MLRT_UNLIKELY(leaf->state.odd >> place & 1)) return mlrt_triangle_at(&tree->by_number, leaf->numbers[place]);
