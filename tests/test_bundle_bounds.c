@@ -876,7 +876,6 @@ static int is_cut(int has_places)
 {
     struct mlrt_hull hull;
     take_hull(&bundle, 0, &hull);
-    leaf.row = 4;
     if (!(triangles_met(&bundle, &leaf, &hull, has_places, 1) & 1)) return 1;
     return !(triangles_within_edges(&bundle, &leaf, 0, has_places, 1) & 1);
 }
