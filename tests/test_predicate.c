@@ -753,6 +753,7 @@ static int check_pair(const struct test_case *test, const struct mlrt_triangle *
         int share = expected_share(&first_integers, &second_integers);
         check(mlrt_share_plane(&test->triangle, second) == share, "share_plane", test);
         check(mlrt_share_plane(second, &test->triangle) == share, "share_plane, swapped", test);
+        check(mlrt_exact_share_plane(&test->triangle, second) == share, "mlrt_exact_share_plane", test);
     }
     if (mpz_sgn(first_integers.d) == 0 || mpz_sgn(second_integers.d) == 0) return 0;
     int order = sign_of_int(expected_order(&first_integers, &second_integers));

@@ -337,6 +337,21 @@ int mlrt_exact_side(const struct mlrt_triangle *triangle, const float from[3], c
     return sign_of(&height, 3 * grid.count);
 }
 
+int mlrt_exact_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second)
+{
+    struct grid grid;
+    struct integer_vector normal, to_point;
+    struct integer height;
+    find_grid(first->v[0], first->v[0], first, second->v[0], 9, &grid); /* without a direction of its own */
+    find_normal(&grid, first, &normal);
+    for (int i = 0; i < 3; ++i) {
+        subtract(second->v[i], first->v[0], grid.scale, grid.count, &to_point);
+        dot(&normal, &to_point, grid.count, &height);
+        if (sign_of(&height, 3 * grid.count) != 0) return 0;
+    }
+    return 1;
+}
+
 int mlrt_exact_sign_beyond(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float t)
 {
     struct grid grid;

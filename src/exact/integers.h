@@ -18,6 +18,9 @@ int mlrt_exact_edge_direction(const struct mlrt_ray_segment *ray, const struct m
 /* The sign of (from + by - a) . n. */
 int mlrt_exact_side(const struct mlrt_triangle *triangle, const float from[3], const float by[3]);
 
+/* 1 if all vertices of `second` are in the plane of `first`. */
+int mlrt_exact_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second);
+
 /* The sign of N - t D. */
 int mlrt_exact_sign_beyond(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float t);
 

@@ -52,10 +52,15 @@ static int certain_side(const struct mlrt_triangle *triangle, struct mlrt_vector
     return mlrt_certain_sign((struct mlrt_measured){mlrt_dot(v, normal.n), size * normal.size}, MLRT_SIGN_ERROR);
 }
 
-int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3])
+static int certain_side_of_point(const struct mlrt_triangle *triangle, const float point[3])
 {
     const struct mlrt_vector v = mlrt_subtract(mlrt_vector_at(point, 1), mlrt_vector_at(triangle->v[0], 1));
-    const int side = certain_side(triangle, v, mlrt_size_of(v));
+    return certain_side(triangle, v, mlrt_size_of(v));
+}
+
+int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3])
+{
+    const int side = certain_side_of_point(triangle, point);
     return side != 0 ? side : mlrt_exact_side(triangle, point, (const float[3]){0, 0, 0});
 }
 
@@ -224,6 +229,6 @@ int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triang
     for (uint32_t axis = 0; axis < 3; ++axis)
         if (mlrt_is_across(first, axis) && mlrt_is_across(second, axis)) return first->v[0][axis] == second->v[0][axis];
     for (int i = 0; i < 3; ++i)
-        if (mlrt_side_of_plane(first, second->v[i]) != 0) return 0;
-    return 1;
+        if (certain_side_of_point(first, second->v[i]) != 0) return 0;
+    return mlrt_exact_share_plane(first, second);
 }
