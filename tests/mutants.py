@@ -9,6 +9,7 @@ worked on at a time (default: one per processor).
 One line for each change, as CSV with --csv. Exit status 1: a test that passes in spite of its change, a change whose old
 lines are not in the file exactly once, or one that does not compile.
 """
+import argparse
 import csv
 import os
 import queue
@@ -163,24 +164,22 @@ def check_tests(copy, mutants):
 
 
 def main(arguments):
-    as_csv = arguments[:1] == ["--csv"]
-    folder, *words = arguments[as_csv:]
     mutants = [mutant for mutant in read_table(os.path.join(ROOT, "tests", "mutants.txt"))
-               if not words or any(word in mutant.title for word in words)]
+               if not arguments.words or any(word in mutant.title for word in arguments.words)]
     jobs = int(os.environ.get("JOBS") or os.cpu_count())
     copies = queue.Queue()
     writer = csv.writer(sys.stdout, lineterminator="\n")
-    if as_csv:
+    if arguments.csv:
         writer.writerow(["part", "change", "test", "result"])
     caught = 0
     with ThreadPoolExecutor(jobs) as pool:
-        paths = [os.path.join(os.path.abspath(folder), str(job)) for job in range(jobs)]
+        paths = [os.path.join(os.path.abspath(arguments.folder), str(job)) for job in range(jobs)]
         for path in pool.map(lambda path: prepare(path, mutants) or path, paths):
             copies.put(path)
         check_tests(paths[0], mutants)
         for mutant, result in zip(mutants, pool.map(lambda mutant: try_mutant(mutant, copies), mutants)):
             caught += result == "caught"
-            if as_csv:
+            if arguments.csv:
                 writer.writerow([mutant.part, mutant.title, f"{mutant.program}: {mutant.test}", result])
             else:
                 print(f"{result:8} {mutant.part}: {mutant.title} ({mutant.program}: {mutant.test})")
@@ -190,9 +189,11 @@ def main(arguments):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 2:
-        sys.exit(__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--csv", action="store_true", help="a table of comma-separated values")
+    parser.add_argument("folder", help="where copies of the sources are changed and built")
+    parser.add_argument("words", nargs="*", help="only changes with one of these in their titles")
     try:
-        sys.exit(main(sys.argv[1:]))
+        sys.exit(main(parser.parse_args()))
     except Mistake as mistake:
         sys.exit(f"mutants: {mistake}")
