@@ -61,7 +61,8 @@ static float pick_float(struct random *random, struct window window)
 
 static struct window pick_window(struct random *random)
 {
-    static const uint32_t widths[] = {WIDEST, WIDEST, WIDEST + 1, WIDEST + 1, 36, 20, 3, 0, 60, WIDEST + LIMB_BITS, 150, 253};
+    static const uint32_t widths[] = {WIDEST, WIDEST, WIDEST + 1, WIDEST + 1,         36,  20,
+                                      3,      0,      60,         WIDEST + LIMB_BITS, 150, 253};
     struct window window = {0, widths[draw_below(random, 12)]};
     const uint32_t highest = 254 - window.width;
     switch (draw_below(random, 4)) {
@@ -499,7 +500,8 @@ static void products_are_compared(void **state)
         struct integer x[4];
         for (int i = 0; i < 4; i++) {
             pick_integer(&random, 3, &x[i]);
-            x[i].limbs[2] = (limb)((x[i].limbs[2] & 15) - 8); // determinants leave room for the difference of two products
+            x[i].limbs[2] =
+                (limb)((x[i].limbs[2] & 15) - 8); // determinants leave room for the difference of two products
         }
         if (draw_below(&random, 2)) { // the same product, or nearly
             x[2] = x[1];

@@ -462,7 +462,8 @@ static void check_triangle(const struct test_case *test)
     check(has_area_exactly(&test->triangle) == has_area, "has_area_exactly", test);
     int side = -mpz_sgn(z->n);
     check(mlrt_side_of_plane(&test->triangle, test->ray.origin) == side, "side_of_plane", test);
-    check(mlrt_exact_side(&test->triangle, test->ray.origin, (const float[3]){0, 0, 0}) == side, "mlrt_exact_side", test);
+    check(mlrt_exact_side(&test->triangle, test->ray.origin, (const float[3]){0, 0, 0}) == side, "mlrt_exact_side",
+          test);
     check_sum(test);
 }
 

@@ -239,8 +239,8 @@ static MLRT_NOINLINE int32_t trace_any_ray(const mlrt_tree *tree, const mlrt_ray
 
 /* Ends a call that turns out not to be a usual one. */
 static MLRT_NOINLINE int32_t trace_after_all(const mlrt_tree *tree, const mlrt_ray *ray,
-                                             const mlrt_trace_options *options,
-                                             const mlrt_fp_environment *environment, mlrt_hit *hit)
+                                             const mlrt_trace_options *options, const mlrt_fp_environment *environment,
+                                             mlrt_hit *hit)
 {
     mlrt_leave_fp_environment(environment); /* comparisons may have raised flags */
     return trace_any_ray(tree, ray, options, hit);
@@ -257,11 +257,10 @@ static MLRT_NOINLINE int32_t trace_skipping_ray(const mlrt_tree *tree, const mlr
 
 /* Traces a ray of a usual call that meets the box of the scene. The caller restores *environment. */
 MLRT_INLINE int32_t trace_usual_ray(const mlrt_tree *tree, struct mlrt_lone_ray *lone, mlrt_hit *hit,
-                                             const mlrt_ray *ray, const mlrt_trace_options *options,
-                                             const mlrt_fp_environment *environment)
+                                    const mlrt_ray *ray, const mlrt_trace_options *options,
+                                    const mlrt_fp_environment *environment)
 {
-    const struct mlrt_kernels *kernels =
-        mlrt_known_kernels(tree->structure, options ? options->isa : MLRT_ISA_AUTO);
+    const struct mlrt_kernels *kernels = mlrt_known_kernels(tree->structure, options ? options->isa : MLRT_ISA_AUTO);
     if (MLRT_UNLIKELY(!kernels)) return trace_after_all(tree, ray, options, environment, hit);
     set_lone_ray(ray, options, lone);
     lone->skip = MLRT_NONE;
@@ -276,8 +275,8 @@ MLRT_INLINE int is_usual_call(const mlrt_tree *tree, const mlrt_ray *ray, const 
     static const float one = 1; /* compared as bits, which takes fewer steps */
     return tree && !memcmp(&tree->bvh.unit, &one, sizeof one) && ray && ray->struct_size == sizeof *ray && hit &&
            hit->struct_size == sizeof *hit && ray->flags <= MLRT_RAY_SKIP &&
-           (!options || (options->struct_size == sizeof *options && mlrt_are_plain(options) &&
-                         mlrt_is_known_isa(options->isa)));
+           (!options ||
+            (options->struct_size == sizeof *options && mlrt_are_plain(options) && mlrt_is_known_isa(options->isa)));
 }
 
 /* Traces usual calls in the floating-point environment of the library; trace_any_ray traces the others. */

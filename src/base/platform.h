@@ -160,8 +160,8 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 
 #if MLRT_HAVE_SSE
 #include <xmmintrin.h>
-#define MLRT_WANTED_CONTROL 0x1F80u /* round to nearest, all exceptions masked; no flush to zero */
-#define MLRT_CONTROL_BITS   0xFFC0u /* the other bits are exception flags, and stay */
+#define MLRT_WANTED_CONTROL 0x1F80u   /* round to nearest, all exceptions masked; no flush to zero */
+#define MLRT_CONTROL_BITS   0xFFC0u   /* the other bits are exception flags, and stay */
 typedef uint32_t mlrt_fp_environment; /* the control register */
 /*
  * Sets *saved to the environment. Returns 1 if it is that of the library, except for exception flags. Then the caller

@@ -29,8 +29,7 @@ struct offset_interval {
 MLRT_INLINE struct offset_interval offset_range(const struct mlrt_beam *beam, int a, int j, float x_lo, float x_hi)
 {
     const float m_lo = beam->slope_lo[a][j], m_hi = beam->slope_hi[a][j];
-    if (x_lo >= 0)
-        return (struct offset_interval){m_lo * (m_lo >= 0 ? x_lo : x_hi), m_hi * (m_hi >= 0 ? x_hi : x_lo)};
+    if (x_lo >= 0) return (struct offset_interval){m_lo * (m_lo >= 0 ? x_lo : x_hi), m_hi * (m_hi >= 0 ? x_hi : x_lo)};
     return (struct offset_interval){m_hi * (m_hi >= 0 ? x_lo : x_hi), m_lo * (m_lo >= 0 ? x_hi : x_lo)};
 }
 

@@ -118,8 +118,8 @@ static const char *check_leaf(const struct mlrt_tree *tree, const struct mlrt_no
 }
 
 /* Checks a node and all below it. It ends, since children must lie behind their parents. */
-static const char *check_node(const struct mlrt_tree *tree, uint32_t number, uint32_t depth, const struct mlrt_box *cell,
-                              struct walk *walk)
+static const char *check_node(const struct mlrt_tree *tree, uint32_t number, uint32_t depth,
+                              const struct mlrt_box *cell, struct walk *walk)
 {
     const struct mlrt_node *node = &tree->kdtree.nodes[number];
     const uint32_t axis = mlrt_node_axis(node), child = mlrt_node_child(node);

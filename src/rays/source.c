@@ -219,8 +219,7 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
                        struct mlrt_packet *packet)
 {
     packet->has.apex = source->kind == MLRT_SOURCE_POINT_LIGHT;
-    packet->has.limits =
-        source->kind == MLRT_SOURCE_RAYS && (source->arrays.t_min.data || source->arrays.t_max.data);
+    packet->has.limits = source->kind == MLRT_SOURCE_RAYS && (source->arrays.t_min.data || source->arrays.t_max.data);
     packet->has.skip = source->arrays.skip.data != NULL;
     packet->has.masks = source->has_masks;
     if (packet->has.apex) memcpy(packet->apex, source->light, sizeof packet->apex);
@@ -237,8 +236,7 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
         packet->t_max[lane] = ray.t_max;
         if (packet->has.masks) packet->mask[lane] = ray.mask;
         if (!packet->has.skip) continue;
-        const float *pair =
-            mlrt_element(&source->arrays.skip, mlrt_element_of_ray(i, source->arrays.rays_per_origin));
+        const float *pair = mlrt_element(&source->arrays.skip, mlrt_element_of_ray(i, source->arrays.rays_per_origin));
         memcpy(&packet->skip_mesh[lane], pair, 4);
         memcpy(&packet->skip[lane], pair + 1, 4);
     }

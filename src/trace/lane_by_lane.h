@@ -758,8 +758,8 @@ static MLRT_NOINLINE void test_leaf_by_lanes(const struct mlrt_job *job, uint32_
             for (int k = 0; k < 3; ++k) v_store(terms[i + k] + v, term[i + k]);
         }
     }
-    const uint32_t changed = test_triangles_by_lanes(job, (const float(*)[MLRT_BVH_LEAF_LIMIT])terms, numbers, row,
-                                                     lanes, packet, worker);
+    const uint32_t changed =
+        test_triangles_by_lanes(job, (const float(*)[MLRT_BVH_LEAF_LIMIT])terms, numbers, row, lanes, packet, worker);
     if (job->any) search->alive &= ~changed;
 }
 

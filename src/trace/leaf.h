@@ -140,7 +140,7 @@ MLRT_INLINE void set_up_vector_by(const struct bundle_corners *corners, uint32_t
 }
 
 MLRT_INLINE void set_up_bundle_vector(const struct bundle_corners *corners, uint32_t v, int has_places,
-                                               struct mlrt_bundle_leaf *leaf)
+                                      struct mlrt_bundle_leaf *leaf)
 {
     if (has_places) {
         set_up_vector_by(corners, v, 1, leaf);

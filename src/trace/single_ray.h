@@ -386,8 +386,8 @@ MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const uint32_t *nu
         const struct mlrt_corners first = {corners + i, row, 1}, second = {nearest->corner, (uint32_t)nearest->row, 1};
         const int is_tie =
             !worker->lone && mlrt_known_plane_of(worker, numbers[i]) == mlrt_known_plane_of(worker, other);
-        const int comes_first = is_tie ? numbers[i] < other
-                                       : mlrt_comes_first(origin, direction, &first, &second, numbers[i] < other);
+        const int comes_first =
+            is_tie ? numbers[i] < other : mlrt_comes_first(origin, direction, &first, &second, numbers[i] < other);
         if (MLRT_UNLIKELY(comes_first < 0)) {
             left |= 1u << i;
             continue;
@@ -413,10 +413,10 @@ MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const uint32_t *nu
  * both lower bounds, which becomes `lo`.
  */
 static MLRT_NOINLINE struct corner_rows settle_undecided(const struct mlrt_job *job, const uint32_t *numbers,
-                                                   const float *corners, uint32_t row, uint32_t undecided,
-                                                   uint32_t inside, const float *lo, uint32_t lane,
-                                                   struct corner_rows nearest, struct mlrt_packet *packet,
-                                                   struct mlrt_worker *worker)
+                                                         const float *corners, uint32_t row, uint32_t undecided,
+                                                         uint32_t inside, const float *lo, uint32_t lane,
+                                                         struct corner_rows nearest, struct mlrt_packet *packet,
+                                                         struct mlrt_worker *worker)
 {
     uint32_t tried = 0;
     if (undecided & inside && packet->nearest.triangle[lane] != MLRT_NONE && !worker->scaled) {

@@ -217,7 +217,8 @@ static int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers,
         if (changed && job->any) return 1;
     }
     if (!undecided) return changed;
-    return changed | mlrt_decide_triangles(job, numbers, undecided, inside, tried, lane, packet, worker, COUNTERS(worker));
+    return changed |
+           mlrt_decide_triangles(job, numbers, undecided, inside, tried, lane, packet, worker, COUNTERS(worker));
 }
 
 /* Sets what of the packet and the worker of a ray of its own (single_ray.h) only the decisions below need. */
