@@ -190,6 +190,7 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
         const uint32_t undecided =
             test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, inside, &of, &plane);
         if (MLRT_LIKELY(!undecided)) continue;
+        if (job->tree->bvh.places) mlrt_prefetch(&job->tree->bvh.places[number]); /* for settle_leaf */
         close[close_count++] = (struct close_triangle_of_leaf){plane, inside, undecided, triangle};
     }
     if (MLRT_UNLIKELY(close_count != 0)) {
