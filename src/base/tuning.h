@@ -68,8 +68,8 @@
  * A packet that has been tested in vain against more triangles than this goes on lane by lane. With no limit,
  * reflections of small triangles have a quarter of the speed. If all rays of a bundle begin at one point, a test takes
  * less than half of the work: with 96 for these, too, shadows of dragon have 0.94 of the speed, of doubled and sponza
- * 0.97, and with no limit, those of cruiser 0.52 (Zen 5). Nor are nearly parallel rays given up earlier if any hit will do:
- * with 96 for these, suns of clinic have 0.91 to 0.94, of dragon 0.97 to 1.00, of others 0.96 to 1.01 (Zen 4).
+ * 0.97, and with no limit, those of cruiser 0.52 (Zen 5). The same holds for nearly parallel rays if any hit will do:
+ * with 96 for these, suns of clinic have 0.91 to 0.94, of dragon 0.97 to 1.00, of others 0.96 to 1.01.
  */
 #define MLRT_MOST_TESTS       96
 #define MLRT_MOST_WAIST_TESTS 384
