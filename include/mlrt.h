@@ -669,8 +669,7 @@ typedef struct mlrt_counters {
                               ray that went alone opened */
     uint64_t entry_point_cell_count;  /* of these, in the entry-point search */
     uint64_t triangle_test_count;     /* (packet, triangle) tests that at least one ray takes part in. Method tile: also
-                                         (ray, triangle) tests of rays that went alone or, from one origin, lane by
-                                         lane */
+                                         (ray, triangle) tests of rays that went alone */
     uint64_t judged_lane_count;       /* (ray, triangle) pairs that the float filter left to double arithmetic */
     uint64_t entry_point_count;       /* entry points from which packets were traced */
     uint64_t entry_point_depth_sum;   /* their depths below the root, added up */

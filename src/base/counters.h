@@ -15,7 +15,7 @@
 #define CLEAR_COUNTS(worker)      ((worker)->counters = (mlrt_counters){0})
 #else
 #define MLRT_COUNTING             0
-#define COUNT(counters, field, n) ((void)(counters))
+#define COUNT(counters, field, n) ((void)(counters), (void)(n))
 #define COUNTERS(worker)          ((void)(worker), (mlrt_counters *)NULL)
 #define CLEAR_COUNTS(worker)      ((void)(worker))
 #endif

@@ -544,7 +544,7 @@ static MLRT_NOINLINE uint32_t test_triangles_from_origin(const struct mlrt_job *
                                                          const uint32_t *numbers, uint32_t triangles, uint32_t lanes,
                                                          struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    uint32_t all_changed = 0;
+    uint32_t all_changed = 0, tested = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         uint32_t left = lanes & ALL_LANES << v;
         const vf d[3] = {v_load(packet->direction[0] + v), v_load(packet->direction[1] + v),
@@ -554,13 +554,14 @@ static MLRT_NOINLINE uint32_t test_triangles_from_origin(const struct mlrt_job *
             if (numbers[i] == MLRT_NONE) break;
             const uint32_t seeing = lanes_that_see(job, worker, packet, numbers[i], left);
             if (!seeing) continue;
-            COUNT(&worker->counters, triangle_test_count, 1);
+            tested |= 1u << i;
             COUNT(&worker->counters, lane_test_count, mlrt_count_bits(seeing));
             const uint32_t changed = test_triangle_from_origin(job, terms, i, d, seeing, numbers[i], v, packet, worker);
             all_changed |= changed;
             if (job->any) left &= ~changed;
         }
     }
+    COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(tested));
     return all_changed;
 }
 
@@ -653,7 +654,7 @@ static MLRT_NOINLINE uint32_t test_triangles_by_lanes(const struct mlrt_job *job
                                                       const uint32_t *numbers, uint32_t row, uint32_t lanes,
                                                       struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    uint32_t all_changed = 0;
+    uint32_t all_changed = 0, tested = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         uint32_t left = lanes & ALL_LANES << v;
         vf origin[3], d[3];
@@ -665,7 +666,7 @@ static MLRT_NOINLINE uint32_t test_triangles_by_lanes(const struct mlrt_job *job
         for (uint32_t i = 0; i < row && numbers[i] != MLRT_NONE && left; ++i) {
             const uint32_t seeing = lanes_that_see(job, worker, packet, numbers[i], left);
             if (!seeing) continue;
-            COUNT(&worker->counters, triangle_test_count, 1);
+            tested |= 1u << i;
             COUNT(&worker->counters, lane_test_count, mlrt_count_bits(seeing));
             const uint32_t changed =
                 test_triangle_by_lanes(job, terms, i, origin, d, seeing, numbers[i], v, packet, worker);
@@ -673,6 +674,7 @@ static MLRT_NOINLINE uint32_t test_triangles_by_lanes(const struct mlrt_job *job
             if (job->any) left &= ~changed;
         }
     }
+    COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(tested));
     return all_changed;
 }
 

@@ -609,7 +609,7 @@ pub struct mlrt_counters {
     pub cell_count: u64,
     /// of these, in the entry-point search
     pub entry_point_cell_count: u64,
-    /// (packet, triangle) tests that at least one ray takes part in. Method tile: also (ray, triangle) tests of rays that went alone or, from one origin, lane by lane
+    /// (packet, triangle) tests that at least one ray takes part in. Method tile: also (ray, triangle) tests of rays that went alone
     pub triangle_test_count: u64,
     /// (ray, triangle) pairs that the float filter left to double arithmetic
     pub judged_lane_count: u64,
