@@ -37,7 +37,7 @@ SETTINGS = {
     "never squares": {"FIRST_OPEN_SQUARES": "0xFFFFFFFFu"},
     "always squares": {"SQUARE_RUN": "0"},
     "tiles always open": {"FIRST_OPEN_TILES": "0xFFFFFFFFu"},
-    "tiles always closed": {"TILE_RUN": "0"},
+    "tiles always closed": {"TILE_RUN": "0", "CELL_RUN": "0"},
     "wide packets stay": {"WIDE_FACTOR": "1e30f"},
     "wide from 2.5": {"WIDE_FACTOR": "2.5f"},
     "few rays stay": {"MANY_PACKETS": "17"},

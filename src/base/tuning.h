@@ -17,14 +17,15 @@
 /*
  * After an area whose cells all had to be opened, most cells of the next areas must be opened, too. So the next tile
  * begins with open cells, or the next square is traced tile by tile; if the attempt after that is in vain as well, the
- * next 3, then 7, up to TILE_RUN tiles and SQUARE_RUN squares, one less than a power of two. Where an attempt reads
- * rays, it is the next READ_RUN at once. With TILE_RUN and SQUARE_RUN 0 every area begins with closed cells.
+ * next 3, then 7, up to TILE_RUN tiles (of a camera CELL_RUN) and SQUARE_RUN squares, one less than a power of two.
+ * Where an attempt reads rays, it is the next READ_RUN at once. If all are 0, every area begins with closed cells.
  * FIRST_OPEN_TILES and _SQUARES are how many of the first of a worker are treated so; 0xFFFFFFFF: all.
  *
  * Instructions (AVX2) with 3 tiles always: shadows of dragon 1.03, pictures of erw6 1.01. With READ_RUN 1: shadows of
  * erw6 1.02.
  */
 #define MLRT_TILE_RUN           15
+#define MLRT_CELL_RUN           3
 #define MLRT_SQUARE_RUN         3
 #define MLRT_READ_RUN           3
 #define MLRT_FIRST_OPEN_TILES   0

@@ -82,7 +82,7 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
     if (gather_cells(job, &tile->area, 4, NULL, bundle)) {
         const int is_open = mlrt_is_in_run(&worker->bundles->open_tiles);
         trace_cells(job, worker, is_open, bundle);
-        if (!is_open) mlrt_note_attempt(!bundle->state.closed, 1, MLRT_TILE_RUN, &worker->bundles->open_tiles);
+        if (!is_open) mlrt_note_attempt(!bundle->state.closed, 1, MLRT_CELL_RUN, &worker->bundles->open_tiles);
         return;
     }
     tile->made = 0xFFFF;
