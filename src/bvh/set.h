@@ -59,11 +59,10 @@ MLRT_INLINE struct growing_box empty_box(void)
     return (struct growing_box){f4_set1(INFINITY), f4_set1(-INFINITY)};
 }
 
-/* Where a bound is NaN, the box stays. */
 MLRT_INLINE void grow(struct growing_box *box, f4 lo, f4 hi)
 {
-    box->lo = f4_min(lo, box->lo);
-    box->hi = f4_max(hi, box->hi);
+    box->lo = f4_min(box->lo, lo);
+    box->hi = f4_max(box->hi, hi);
 }
 
 MLRT_INLINE void store_box(const struct growing_box *box, struct mlrt_quad_box *stored)

@@ -276,6 +276,13 @@ void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum
         }
 }
 
+/* Extends the box by a centre, but not where that is NaN. */
+MLRT_INLINE void grow_unless_nan(struct growing_box *box, f4 centre)
+{
+    box->lo = f4_min(centre, box->lo);
+    box->hi = f4_max(centre, box->hi);
+}
+
 /*
  * Partitions the references in place, without branches, which would be mispredicted. Each is swapped with the first of
  * the upper side, and is the last of the lower side if that grows.
@@ -293,9 +300,8 @@ static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_s
         const f4 lo = f4_load(next->lo), hi = f4_load(next->hi), centre = centre_of(lo, hi);
         const f4 along_axis = centre_of(f4_set1(next->lo[axis]), f4_set1(next->hi[axis]));
         const f4 beyond = f4_sub(f4_mul(f4_sub(along_axis, start), scale), limit); /* negative on the lower side */
-        const f4 below = f4_hide(centre, f4_flip(beyond, -1)), above = f4_hide(centre, beyond);
-        grow(&lower, below, below);
-        grow(&upper, above, above);
+        grow_unless_nan(&lower, f4_hide(centre, f4_flip(beyond, -1)));
+        grow_unless_nan(&upper, f4_hide(centre, beyond));
         *next++ = *place;
         f4_store(place->lo, lo);
         f4_store(place->hi, hi);
