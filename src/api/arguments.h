@@ -42,7 +42,7 @@ MLRT_INLINE int mlrt_are_plain(const mlrt_trace_options *of)
 /* The options of a call, and what it runs with. */
 struct mlrt_call {
     const mlrt_trace_options *options; /* the caller's, or `own` */
-    int is_plain;                      /* mlrt_are_plain: no host, no counters, no rule is broken */
+    int is_plain;                      /* the options are plain (mlrt_are_plain), or there are none */
     mlrt_trace_options own;
     struct mlrt_run_options run;
 };

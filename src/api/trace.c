@@ -63,11 +63,19 @@ static uint32_t standard_initial_tile(const struct mlrt_job *job)
     return job->source.width <= 4 ? structure->tracer.list_side : structure->tracer.row_side;
 }
 
+/* Sets the tree, the query and the masks of a job, whose source is set. If `any`, any hit will do in any case. */
+MLRT_INLINE void set_query(const mlrt_tree *tree, const mlrt_trace_options *options, int any, struct mlrt_job *job)
+{
+    job->tree = tree;
+    job->any = any || options->query == MLRT_QUERY_ANY;
+    mlrt_set_masks(tree, options->mask, tree->structure->tracer.filters_leaves, &job->source);
+}
+
 /*
  * Checks the options, and sets the fields of a job that follow from them and the tree, those of a call without lights
- * and callback. The job's source is set already.
+ * and callback. `any` is as in set_query.
  */
-static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
+static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, int any, struct mlrt_job *job)
 {
     int32_t status = mlrt_check_options(options);
     if (status == MLRT_OK) status = resolve_method(options->method, tree, &job->method);
@@ -75,8 +83,7 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     job->lights = NULL;
     job->light_count = 0;
     job->callback.function = NULL;
-    job->tree = tree;
-    job->any = options->query == MLRT_QUERY_ANY;
+    set_query(tree, options, any, job);
     job->multilevel.culling = options->culling;
     job->multilevel.culling_check = options->culling_check != 0;
     job->multilevel.shortcuts = ~options->shortcuts_off;
@@ -91,35 +98,30 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     const uint32_t split_factor = options->split_factor ? options->split_factor : DEFAULT_SPLIT_FACTOR;
     job->multilevel.split_divisor = split_factor == 4 ? 2 : 4;
     job->callback.outputs = options->outputs;
-    mlrt_set_masks(tree, options->mask, tree->structure->tracer.filters_leaves, &job->source);
     return choose_kernels(options->isa, options->counters != NULL, job);
 }
 
 /* ---- rays ---- */
 
 /* Sets the fields of a job that few rays need, of plain options. Returns 0 if the kernels are not known at once. */
-static int set_plain_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
+static int set_plain_options(const mlrt_tree *tree, const mlrt_trace_options *options, int any, struct mlrt_job *job)
 {
     const struct mlrt_structure *structure = tree->structure;
-    job->tree = tree;
+    set_query(tree, options, any, job);
     job->method = structure->tracer.method;
-    job->any = options->query == MLRT_QUERY_ANY;
-    mlrt_set_masks(tree, options->mask, structure->tracer.filters_leaves, &job->source);
     job->kernels = mlrt_is_known_isa(options->isa) ? mlrt_known_kernels(structure, options->isa) : NULL;
     return job->kernels != NULL;
 }
 
-/* Runs a job for a list of rays, whose source is set. If `any`, any hit will do. Returns a status. */
+/* Runs a job for a list of rays, whose source is set. `any` is as in set_query. Returns a status. */
 static int32_t run_list(const mlrt_tree *tree, const struct mlrt_call *call, int any, const mlrt_hits *hits,
                         struct mlrt_job *job)
 {
-    int32_t status = MLRT_OK;
-    const int are_set = call->is_plain && set_plain_options(tree, call->options, job);
-    if (!are_set) status = resolve_options(tree, call->options, job);
-    job->any |= any;
+    const int are_set = call->is_plain && set_plain_options(tree, call->options, any, job);
+    int32_t status = are_set ? MLRT_OK : resolve_options(tree, call->options, any, job);
     if (status != MLRT_OK || mlrt_trace_few_rays(job, &call->run, hits)) return status;
-    if (are_set) status = resolve_options(tree, call->options, job);
-    job->any |= any;
+    if (are_set) status = resolve_options(tree, call->options, any, job);
+    if (status != MLRT_OK) return status;
     mlrt_make_sink(hits, job->source.width, 1, &job->frame);
     return mlrt_note_status(mlrt_run_job(job, &call->run));
 }
@@ -160,7 +162,7 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_tra
     struct mlrt_job job;
     mlrt_make_ray_source(tree, &list, &job.source);
     int32_t status = mlrt_take_options(options, &call);
-    if (status == MLRT_OK) status = resolve_options(tree, call.options, &job);
+    if (status == MLRT_OK) status = resolve_options(tree, call.options, 0, &job);
     if (status != MLRT_OK) return status;
     mlrt_counters own = {.struct_size = 0};
     mlrt_counters *counters = call.options->counters;
@@ -317,7 +319,7 @@ MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *ray
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
     struct mlrt_job job;
     mlrt_make_ray_source(tree, rays, &job.source);
-    status = resolve_options(tree, call.options, &job);
+    status = resolve_options(tree, call.options, 0, &job);
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_all_hits(tree, &job.source, &own_lists, &call.run));
     return mlrt_end_traced(&call, status);
 }
@@ -349,7 +351,7 @@ static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_c
     uint32_t light_count;
     int32_t status = mlrt_make_view_source(camera, &job->source);
     if (status == MLRT_OK) status = mlrt_take_lights(&options, &lights, &light_count);
-    if (status == MLRT_OK) status = resolve_options(tree, &options, job);
+    if (status == MLRT_OK) status = resolve_options(tree, &options, 0, job);
     if (status == MLRT_OK) status = make_light_jobs(lights, light_count, job, light_jobs);
     if (status != MLRT_OK) return status;
     mlrt_make_sink(frame, job->source.width, 0, &job->frame);

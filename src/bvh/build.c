@@ -424,8 +424,8 @@ static void choose(struct build *build, struct portion *portion, struct mlrt_bvh
     const int is_sorted = portion->set.count <= MLRT_SWEEP_LIMIT;
     find_split(build, portion, is_sorted ? MLRT_SPLIT_BY_RANK : MLRT_SPLIT_BY_BIN, split);
     if (portion->spare == 0 || portion->set.count <= build->preset->spatial_size) return;
-    if (!is_within(&portion->set.box, MLRT_SAFE_MAX))
-        return; /* too large for the float arithmetic of spatial_split.c */
+    /* Larger coordinates are too large for the float arithmetic of spatial_split.c. */
+    if (!is_within(&portion->set.box, MLRT_SAFE_MAX)) return;
     if (split->cost < HUGE_VAL && !is_sorted && !overlaps(build, split)) return;
     if (portion->failed_count > build->preset->failure_limit) return;
     find_split(build, portion, MLRT_SPLIT_BY_PLANE, &plane);

@@ -21,8 +21,8 @@
 #include "simd/simd.h"
 #include "trace/bundle.h"
 #include "trace/cells.h"
-#include "trace/planes.h"
 #include "trace/leaf.h"
+#include "trace/planes.h"
 #include "trace/ray_hulls.h"
 
 /* The tile of a square that a cell stands for. */

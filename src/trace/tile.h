@@ -272,9 +272,8 @@ MLRT_INLINE uint32_t triangles_of_packet(const uint32_t packets_of[MLRT_BVH_LEAF
 }
 
 /*
- * Tests the packets `met` against a leaf. While a packet is closed, or there are no more triangles than vectors of
- * packets are worth it, each triangle is tested against all packets at once (cover.h). Then each packet is tested
- * against the other triangles.
+ * Tests the packets `met` against a leaf. While a packet is closed, or that takes fewer tests, each triangle is tested
+ * against all packets, a vector of them at a time (cover.h). Then each packet is tested against the other triangles.
  */
 MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
                                       struct mlrt_bundle *bundle, uint32_t child, uint32_t met, int has_places)
