@@ -1192,23 +1192,23 @@ static double attack_packet_quotient(const float *input)
     }
     set_plane_terms(corner, &plane);
     set_start_terms(&plane, origin, MLRT_OUTPUT_UV, &start);
-    mlrt_set_plane_terms(&triangle, &kept);
-    mlrt_set_origin_terms(input + 9, &kept);
+    mlrt_set_hit_terms(&triangle, input + 9, &kept);
     const double size = greatest_direction_size(&packet, 1);
     const double d = fused_dot_product(direction, plane.normal);
     if (!invert_denominator(d, plane.normal_size * size, &denominator)) return -1;
     find_d_and_n(other_truth, truth);
     mpf_div(truth, truth, other_truth);
     double ratio = place_in_quotient(start.n, start.n_width, &denominator, truth);
-    ratio = fmax(ratio, place_in_quotient(kept.term[MLRT_HIT_N], kept.term[MLRT_HIT_N_WIDTH], &denominator, truth));
+    ratio = fmax(ratio, place_in_quotient(kept.n, kept.n_width, &denominator, truth));
     find_edge(2, truth);
     mpf_div(truth, truth, other_truth);
     if (mpf_sgn(truth) < 0 || mpf_cmp_ui(truth, 1) > 0) return ratio;
     fused_cross_product(start.p, direction, moment);
     ratio = fmax(ratio, place_in_quotient(fused_dot_product(plane.side[0], moment), start.edge_width[0] * size,
                                           &denominator, truth));
-    return fmax(ratio, place_in_quotient(fused_dot_product(direction, kept.term + MLRT_HIT_EDGE),
-                                         kept.term[MLRT_HIT_EDGE_WIDTH] * size, &denominator, truth));
+    return fmax(
+        ratio, place_in_quotient(mlrt_dot((struct mlrt_vector){direction[0], direction[1], direction[2]}, kept.edge[0]),
+                                 kept.edge_width[0] * size, &denominator, truth));
 }
 
 /* ---- clipping ---------------------------------------------------------------------------------------------------- */

@@ -32,8 +32,7 @@
  * in thousands goes to the judge.
  *
  * hit_terms.h caches the terms that all rays that hit a triangle share, and those that also depend on one origin:
- * neighbours mostly hit the same triangle. A packet that hits more than FEW_TRIANGLES triangles computes the terms for
- * each lane. With 3 in place of 2 nothing is gained, as then more triangles are not in the cache yet.
+ * neighbours mostly hit the same triangle. A packet that hits several triangles computes the terms for each lane.
  */
 #ifndef MLRT_HITS_HIT_NUMBERS_H
 #define MLRT_HITS_HIT_NUMBERS_H
@@ -48,8 +47,6 @@
 #include "job/write_arrays.h"
 #include "simd/doubles.h"
 #include "simd/simd.h"
-
-#define FEW_TRIANGLES 2
 
 MLRT_INLINE void fused_cross_product(const vd a[3], const vd b[3], vd cross[3])
 {
@@ -112,20 +109,21 @@ MLRT_INLINE void set_start_terms(const struct plane_terms *plane, const vd origi
     for (int i = 0; i < 2; ++i) start->edge_width[i] = d_add(d_mul(numerator_error, plane->side_size[i]), d_error);
 }
 
-MLRT_INLINE void get_terms(const double *kept, int count, vd *term)
+MLRT_INLINE void spread_vector(struct mlrt_vector v, vd of[3])
 {
-    MLRT_UNROLL
-    for (int i = 0; i < count; ++i) term[i] = d_set1(kept[i]);
+    of[0] = d_set1(v.x), of[1] = d_set1(v.y), of[2] = d_set1(v.z);
 }
 
-MLRT_INLINE void get_plane_terms(const struct mlrt_hit_terms *kept, struct plane_terms *plane)
+MLRT_INLINE void spread_plane_terms(const struct mlrt_hit_terms *kept, struct plane_terms *plane)
 {
-    get_terms(kept->term + MLRT_HIT_CORNER, 3, plane->corner);
-    get_terms(kept->term + MLRT_HIT_SIDE, 3, plane->side[0]);
-    get_terms(kept->term + MLRT_HIT_SIDE + 3, 3, plane->side[1]);
-    get_terms(kept->term + MLRT_HIT_SIDE_SIZE, 2, plane->side_size);
-    get_terms(kept->term + MLRT_HIT_NORMAL, 3, plane->normal);
-    get_terms(kept->term + MLRT_HIT_NORMAL_SIZE, 1, &plane->normal_size);
+    spread_vector(kept->corner, plane->corner);
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        spread_vector(kept->side[i], plane->side[i]);
+        plane->side_size[i] = d_set1(kept->side_size[i]);
+    }
+    spread_vector(kept->normal, plane->normal);
+    plane->normal_size = d_set1(kept->normal_size);
 }
 
 /* Returns the terms of a triangle, and of the apex if the packet has one. They are valid until the next call. */
@@ -135,13 +133,12 @@ MLRT_INLINE const struct mlrt_hit_terms *find_shared_terms(const struct mlrt_tre
 {
     const uint32_t place = number % MLRT_HIT_TERMS_COUNT;
     struct mlrt_hit_terms *kept = &cache->entries[place];
-    if (cache->numbers[place] != number) {
-        const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
-        mlrt_set_plane_terms(&triangle, kept);
-        cache->numbers[place] = number;
-    }
-    if (packet->has.apex && memcmp(packet->apex, kept->origin, sizeof kept->origin) != 0)
-        mlrt_set_origin_terms(packet->apex, kept);
+    if (cache->numbers[place] == number &&
+        (!packet->has.apex || memcmp(packet->apex, kept->origin, sizeof kept->origin) == 0))
+        return kept;
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+    mlrt_set_hit_terms(&triangle, packet->has.apex ? packet->apex : triangle.v[0], kept);
+    cache->numbers[place] = number;
     return kept;
 }
 
@@ -224,14 +221,14 @@ static void report_facing(uint32_t positive, struct mlrt_packet_values *values)
  * result are the lanes whose numbers are certain, and bits 16 .. 31 those with D > 0 if facing is wanted. (If both were
  * fields of a struct, gcc would store and reload them.)
  */
-static uint32_t report_from_apex(const struct mlrt_packet *packet, const double *term, double direction_size,
-                                 uint32_t outputs, struct mlrt_packet_values *values)
+static uint32_t report_from_apex(const struct mlrt_packet *packet, const struct mlrt_hit_terms *terms,
+                                 double direction_size, uint32_t outputs, struct mlrt_packet_values *values)
 {
     uint32_t reported = 0, positive = 0;
-    const vd normal[3] = {d_set1(term[MLRT_HIT_NORMAL]), d_set1(term[MLRT_HIT_NORMAL + 1]),
-                          d_set1(term[MLRT_HIT_NORMAL + 2])};
-    const vd d_size = d_set1(term[MLRT_HIT_NORMAL_SIZE] * direction_size);
-    const vd n = d_set1(term[MLRT_HIT_N]), n_width = d_set1(term[MLRT_HIT_N_WIDTH]);
+    const vd d_size = d_set1(terms->normal_size * direction_size);
+    const vd n = d_set1(terms->n), n_width = d_set1(terms->n_width);
+    vd normal[3];
+    spread_vector(terms->normal, normal);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         vd direction[3];
         struct lane_denominator denominator;
@@ -242,9 +239,9 @@ static uint32_t report_from_apex(const struct mlrt_packet *packet, const double 
         if (outputs & MLRT_OUTPUT_UV) {
             MLRT_UNROLL
             for (int i = 0; i < 2; ++i) {
-                const double *terms = term + MLRT_HIT_EDGE + 3 * i;
-                const vd edge[3] = {d_set1(terms[0]), d_set1(terms[1]), d_set1(terms[2])};
-                const vd width = d_set1(term[MLRT_HIT_EDGE_WIDTH + i] * direction_size);
+                const vd width = d_set1(terms->edge_width[i] * direction_size);
+                vd edge[3];
+                spread_vector(terms->edge[i], edge);
                 certain &=
                     round_quotients(fused_dot_product(direction, edge), width, &denominator, values->uv[i] + lane);
             }
@@ -295,15 +292,16 @@ static uint32_t report_one_triangle(const struct mlrt_packet *packet, const stru
 {
     uint32_t reported = 0;
     struct plane_terms plane;
-    get_plane_terms(terms, &plane);
+    spread_plane_terms(terms, &plane);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW)
         reported |= report_lanes(packet, &plane, lane, direction_size, outputs, values);
     return reported;
 }
 
-/* Computes the numbers of a packet whose hits are of many triangles, without the cache. */
-static uint32_t report_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
-                                 double direction_size, uint32_t outputs, struct mlrt_packet_values *values)
+/* Computes the numbers of a packet whose hits are of several triangles, without the cache. */
+static MLRT_NOINLINE uint32_t report_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
+                                               uint32_t hit, double direction_size, uint32_t outputs,
+                                               struct mlrt_packet_values *values)
 {
     uint32_t reported = 0;
     MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
@@ -325,44 +323,8 @@ static MLRT_NOINLINE uint32_t report_kept(const struct mlrt_tree *tree, const st
                                           struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)
 {
     const struct mlrt_hit_terms *terms = find_shared_terms(tree, packet, number, cache);
-    return packet->has.apex ? report_from_apex(packet, terms->term, direction_size, outputs, values)
+    return packet->has.apex ? report_from_apex(packet, terms, direction_size, outputs, values)
                             : report_one_triangle(packet, terms, direction_size, outputs, values);
-}
-
-/* Copies t, u and v of `lanes`. */
-static void copy_lanes(uint32_t lanes, const struct mlrt_packet_values *from, struct mlrt_packet_values *values)
-{
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vm is_taken = m_from_bits(lanes >> v);
-        v_store(values->t + v, v_select(is_taken, v_load(from->t + v), v_load(values->t + v)));
-        v_store(values->uv[0] + v, v_select(is_taken, v_load(from->uv[0] + v), v_load(values->uv[0] + v)));
-        v_store(values->uv[1] + v, v_select(is_taken, v_load(from->uv[1] + v), v_load(values->uv[1] + v)));
-    }
-}
-
-MLRT_INLINE int hits_few_triangles(const struct mlrt_packet *packet, uint32_t hit)
-{
-    for (int i = 0; i < FEW_TRIANGLES && hit; ++i)
-        hit &= ~lanes_of_triangle(packet, packet->nearest.triangle[mlrt_lowest_bit(hit)]);
-    return !hit;
-}
-
-/* Computes the numbers of a packet that hits several triangles: few of them one after the other, with the cache. */
-static MLRT_NOINLINE uint32_t report_several(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
-                                             uint32_t hit, double direction_size, uint32_t outputs,
-                                             struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)
-{
-    if (!hits_few_triangles(packet, hit)) return report_triangles(tree, packet, hit, direction_size, outputs, values);
-    struct mlrt_packet_values of_one;
-    uint32_t reported = 0;
-    for (uint32_t left = hit; left;) {
-        const uint32_t number = packet->nearest.triangle[mlrt_lowest_bit(left)];
-        const uint32_t lanes = left & lanes_of_triangle(packet, number);
-        reported |= report_kept(tree, packet, number, direction_size, outputs, cache, &of_one) & (lanes | lanes << 16);
-        copy_lanes(lanes, &of_one, values);
-        left &= ~lanes;
-    }
-    return reported;
 }
 
 /*
@@ -376,7 +338,7 @@ static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet
         const uint32_t number = packet->nearest.triangle[mlrt_lowest_bit(hit)];
         const double direction_size = greatest_direction_size(packet, hit);
         const uint32_t reported = hit & ~lanes_of_triangle(packet, number)
-                                      ? report_several(tree, packet, hit, direction_size, outputs, cache, values)
+                                      ? report_triangles(tree, packet, hit, direction_size, outputs, values)
                                       : report_kept(tree, packet, number, direction_size, outputs, cache, values);
         if (outputs & MLRT_OUTPUT_FACING) report_facing(reported >> 16, values);
         for (uint32_t left = hit & ~reported; left; left &= left - 1)

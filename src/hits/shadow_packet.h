@@ -19,6 +19,9 @@
 
 #define PACKET_DOUBLES (MLRT_PACKET_RAYS / DW)
 
+/* Of packets that hit no more triangles than this, terms are taken from the table, triangle by triangle. */
+#define FEW_TRIANGLES 2
+
 /* For a vector of rays: the terms of shadow_ray.h that depend on triangle, origin and light, not on the direction. */
 struct shadow_terms {
     vd m[3];
@@ -114,6 +117,13 @@ MLRT_INLINE void take_surface(const struct mlrt_surface *surface, uint32_t lanes
     terms->plane_size = d_select(lanes, d_set1(MLRT_SHADOW_PLANE * surface->reach), terms->plane_size);
     terms->height = d_select(lanes, d_set1(surface->height), terms->height);
     if (!mlrt_is_certain_surface(surface)) terms->certain &= ~lanes;
+}
+
+MLRT_INLINE int hits_few_triangles(const struct mlrt_packet *packet, uint32_t hit)
+{
+    for (int i = 0; i < FEW_TRIANGLES && hit; ++i)
+        hit &= ~lanes_of_triangle(packet, packet->nearest.triangle[mlrt_lowest_bit(hit)]);
+    return !hit;
 }
 
 /*

@@ -7,35 +7,28 @@
 #define MLRT_JOB_HIT_TERMS_H
 
 #include "exact/triangle.h"
+#include "exact/vector.h"
 
 /* The judge computes the numbers of hits whose D is not more than its size over this: that bounds the error of t. */
 #define MLRT_GREATEST_D_SIZE 0x1p12
 
 /*
- * Places of the terms. A size is the sum of the magnitudes of a vector's components, or a product of such sums; a
+ * The terms of a triangle. A size is the sum of the magnitudes of a vector's components, or a product of such sums; a
  * width is a bound of the error of a quotient with D, times |D|.
  */
-enum mlrt_hit_term {
-    /* For all rays: the first corner, the sides c-a and a-b, and the normal. */
-    MLRT_HIT_CORNER,
-    MLRT_HIT_SIDE = 3,
-    MLRT_HIT_SIDE_SIZE = 9,
-    MLRT_HIT_NORMAL = 11,
-    MLRT_HIT_NORMAL_SIZE = 14,
-    /*
-     * For rays from one origin: N, and the vectors whose dot products with d are e_ca and e_ab. Their widths have to be
-     * multiplied with the size of d.
-     */
-    MLRT_HIT_N,
-    MLRT_HIT_N_WIDTH,
-    MLRT_HIT_EDGE,
-    MLRT_HIT_EDGE_WIDTH = MLRT_HIT_EDGE + 6,
-    MLRT_HIT_TERM_COUNT = MLRT_HIT_EDGE_WIDTH + 2
-};
-
 struct mlrt_hit_terms {
-    double term[MLRT_HIT_TERM_COUNT];
-    float origin[3]; /* of the terms for one origin; NaN = not set */
+    /* For all rays. */
+    struct mlrt_vector corner;
+    struct mlrt_vector side[2]; /* c-a and a-b */
+    double side_size[2];
+    struct mlrt_vector normal;
+    double normal_size;
+    /* For rays from one origin: N, and the vectors whose dot products with d are e_ca and e_ab. */
+    float origin[3];
+    double n;
+    double n_width;
+    struct mlrt_vector edge[2];
+    double edge_width[2]; /* to be multiplied with the size of d */
 };
 
 #define MLRT_HIT_TERMS_COUNT 16
@@ -46,10 +39,7 @@ struct mlrt_hit_term_cache {
     struct mlrt_hit_terms entries[MLRT_HIT_TERMS_COUNT];
 };
 
-/* Sets the terms of a triangle for all rays. Those for one origin become invalid. */
-void mlrt_set_plane_terms(const struct mlrt_triangle *triangle, struct mlrt_hit_terms *terms);
-
-/* Sets the terms for one origin. */
-void mlrt_set_origin_terms(const float origin[3], struct mlrt_hit_terms *terms);
+/* Sets the terms of a triangle, and of an origin. */
+void mlrt_set_hit_terms(const struct mlrt_triangle *triangle, const float origin[3], struct mlrt_hit_terms *terms);
 
 #endif
