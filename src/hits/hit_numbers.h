@@ -42,7 +42,7 @@
 
 #include "exact/quotients.h"
 #include "exact/vector.h"
-#include "job/hit_terms.h"
+#include "job/job.h"
 #include "hits/outcome.h"
 #include "job/write_arrays.h"
 #include "simd/doubles.h"

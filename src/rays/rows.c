@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rows of pixels in a list of rays: see rows.h.
+ * Finds rows of pixels in a list of rays whose caller did not say how long they are. Tiles that are squares of pixels are
+ * faster than pieces of rows.
  *
  * Steps between the pixels of a row are small; the step from its end to the start of the next row is a jump. So the
  * first jump gives a guess of the row length. Rows from all over the list must confirm it.
  */
-#include "rays/rows.h"
+#include "rays/source.h"
 
 #include <math.h>
 

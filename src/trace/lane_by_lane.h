@@ -58,11 +58,11 @@
 
 #include "base/counters.h"
 #include "hits/outcome.h"
-#include "hits/finish.h"
+#include "job/job.h"
 #include "hits/triangle_filter.h"
 #include "rays/check_packet.h"
 #include "rays/extremes.h"
-#include "scene/masks.h"
+#include "scene/tree.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
 #include "trace/single_ray.h"
