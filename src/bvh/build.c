@@ -17,9 +17,7 @@
  *   leaves has 2 b - 1 nodes, so each subtree has its own part of the array of nodes.
  *
  *   Depth. A split is made only if both sides can be halved to leaves in the levels that remain. A node of sixteen
- *   takes at least one binary level, so MLRT_BVH_DEPTH_LIMIT binary levels are never too deep. Most scenes need fewer,
- *   but some need more: so the first attempt allows BINARY_DEPTH levels, and only if its nodes of sixteen are too deep,
- *   a second attempt allows MLRT_BVH_DEPTH_LIMIT.
+ *   takes at least one binary level, so with MLRT_BVH_DEPTH_LIMIT binary levels it is never too deep.
  *
  *   References. A set has spare places behind its references (spatial splits make more of these), and a split is not
  *   made if it needs more.
@@ -70,9 +68,6 @@ static const struct mlrt_bvh_costs COSTS = {1.0f, 1.0f, MLRT_TRIANGLE_COST};
 
 /* References per leaf, on average, that the budget allows for: so building takes 104 / 4 bytes of nodes for each. */
 #define LEAF_SHARE (MLRT_LEAF_TRIANGLES / 4)
-
-/* Binary levels in the first attempt. Bounds the stack. */
-#define BINARY_DEPTH 64
 
 /* The parts of MLRT_BVH_WORK for making a triangle's reference first, and for writing nodes at the end. */
 #define FIRST_WORK 1.0
@@ -166,7 +161,6 @@ struct build {
     struct limits limits;
     struct references references;
     struct mlrt_binary_tree binary;
-    uint32_t depth_limit; /* of this attempt */
     double scene_area;    /* area of the core of the scene; a few boxes may be larger */
     struct work work;
     struct shared shared;
@@ -320,11 +314,11 @@ static uint32_t scale(uint32_t a, uint32_t b, uint64_t c)
 }
 
 /* 1 if sides of `lower` and `upper` references stay within the portion's budget and the depth limit. */
-static int may_split(const struct build *build, const struct portion *portion, uint32_t lower, uint32_t upper)
+static int may_split(const struct portion *portion, uint32_t lower, uint32_t upper)
 {
     uint32_t larger = lower > upper ? lower : upper;
     return reserve(lower) + reserve(upper) <= portion->budget &&
-           portion->depth + 1 + halving_depth(larger) <= build->depth_limit;
+           portion->depth + 1 + halving_depth(larger) <= MLRT_BVH_DEPTH_LIMIT;
 }
 
 /*
@@ -402,7 +396,7 @@ static MLRT_NOINLINE void find_split(struct build *build, const struct portion *
         mlrt_choose_split(&build->costs, &bins, &portion->set, split);
     else
         mlrt_choose_plane(&build->costs, &bins, portion->set.count, portion->spare, split);
-    if (split->cost < HUGE_VAL && !may_split(build, portion, split->count[0], split->count[1])) split->cost = HUGE_VAL;
+    if (split->cost < HUGE_VAL && !may_split(portion, split->count[0], split->count[1])) split->cost = HUGE_VAL;
 }
 
 /* 1 if the sides of the best split by centres overlap so much that a spatial split is tried, as Stich et al. do. */
@@ -794,7 +788,7 @@ static void measure_scene(struct build *build, const struct mlrt_quad_box *box)
 }
 
 /* Builds the binary hierarchy, and sets *size to that of the result. Returns a status. */
-static int32_t build_binary(struct build *build, uint32_t depth_limit, struct mlrt_bvh_size *size)
+static int32_t build_binary(struct build *build, struct mlrt_bvh_size *size)
 {
     struct portion *root = &build->work.portions[0];
     root->set = build->references.whole;
@@ -805,7 +799,6 @@ static int32_t build_binary(struct build *build, uint32_t depth_limit, struct ml
     const struct mlrt_forest *next = build->work.forests;
     measure_scene(build, &root->set.box);
     build->work.task_count = 0;
-    build->depth_limit = depth_limit;
     find_tasks(build);
     if (!mlrt_is_cancelled(build->progress)) run_step(build, build->work.task_count, build_task);
     if (mlrt_is_cancelled(build->progress)) return MLRT_ERROR_CANCELLED;
@@ -835,11 +828,7 @@ static int32_t build_hierarchy(struct build *build)
     if (!allocate_work(build)) return MLRT_ERROR_OUT_OF_MEMORY;
     mlrt_set_bvh_unit(tree);
     int32_t status = make_references(build);
-    if (status == MLRT_OK && build->references.count > 0) status = build_binary(build, BINARY_DEPTH, &size);
-    if (status == MLRT_OK && size.depth > MLRT_BVH_DEPTH_LIMIT) {
-        status = make_references(build); // the first attempt has cut references
-        if (status == MLRT_OK) status = build_binary(build, MLRT_BVH_DEPTH_LIMIT, &size);
-    }
+    if (status == MLRT_OK && build->references.count > 0) status = build_binary(build, &size);
     if (status == MLRT_OK) status = allocate_result(build, &size);
     if (status == MLRT_OK && build->references.count > 0) status = write_all(build);
     if (status != MLRT_OK) return status;
@@ -861,7 +850,7 @@ static void set_limits(const mlrt_tree_options *options, uint32_t triangle_count
         build->limits.capacity / TASK_SHARE > TASK_SIZE ? build->limits.capacity / TASK_SHARE : TASK_SIZE;
     /* A level has at most capacity / task_size sets larger than tasks, and cutting n of these leaves n + 1 tasks. */
     build->limits.level_capacity = build->limits.capacity / build->limits.task_size + 1;
-    build->limits.task_capacity = BINARY_DEPTH * (build->limits.capacity / build->limits.task_size) + 1;
+    build->limits.task_capacity = MLRT_BVH_DEPTH_LIMIT * (build->limits.capacity / build->limits.task_size) + 1;
     build->limits.chunk_count = mlrt_item_count(triangle_count, CHUNK_SIZE);
     const double levels = log2((double)triangle_count / MLRT_BVH_LEAF_LIMIT + 2);
     build->limits.cut_work = (MLRT_BVH_WORK - FIRST_WORK - LAST_WORK) / levels;

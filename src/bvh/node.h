@@ -45,7 +45,7 @@
 #include "scene/tree.h"
 
 #define MLRT_BVH_WIDTH       16
-#define MLRT_BVH_DEPTH_LIMIT 32
+#define MLRT_BVH_DEPTH_LIMIT 64
 #define MLRT_BVH_LEAF_LIMIT  16 /* triangles */
 
 /* Kernels number the slots of all nodes in 32 bits. */
