@@ -108,7 +108,6 @@ struct portion {
 struct chunk {
     struct mlrt_bvh_set set;
     struct mlrt_box bounds; /* of the references, not in units */
-    uint32_t count;
     uint64_t non_finite_count;
     uint64_t zero_area_count;
 };
@@ -148,7 +147,6 @@ struct shared {
 /* The boxes of triangles, or of their parts, from which the hierarchy is built. */
 struct references {
     struct mlrt_quad_box *boxes;
-    uint32_t count;
     struct mlrt_bvh_set whole; /* all of them before any is cut */
 };
 
@@ -161,7 +159,7 @@ struct build {
     struct limits limits;
     struct references references;
     struct mlrt_binary_tree binary;
-    double scene_area;    /* area of the core of the scene; a few boxes may be larger */
+    double scene_area; /* area of the core of the scene; a few boxes may be larger */
     struct work work;
     struct shared shared;
 };
@@ -208,7 +206,7 @@ static float limit_reference(float bound)
 static int is_within(const struct mlrt_quad_box *box, float limit)
 {
     int is_beyond = 0;
-    for (int k = 0; k < 3; k++) is_beyond |= box->lo[k] < -limit || box->hi[k] > limit;
+    for (int k = 0; k < 3; k++) is_beyond |= box->lo.x[k] < -limit || box->hi.x[k] > limit;
     return !is_beyond;
 }
 
@@ -216,8 +214,8 @@ static int is_within(const struct mlrt_quad_box *box, float limit)
 static void scale_reference(float unit, struct mlrt_quad_box *reference)
 {
     for (int k = 0; k < 3; k++) {
-        reference->lo[k] = limit_reference(mlrt_low_in_units(reference->lo[k], unit));
-        reference->hi[k] = limit_reference(mlrt_high_in_units(reference->hi[k], unit));
+        reference->lo.x[k] = limit_reference(mlrt_low_in_units(reference->lo.x[k], unit));
+        reference->hi.x[k] = limit_reference(mlrt_high_in_units(reference->hi.x[k], unit));
     }
 }
 
@@ -225,7 +223,7 @@ static void scale_reference(float unit, struct mlrt_quad_box *reference)
  * A reference to a whole triangle: the box of mlrt_bound_triangle. The last vertex is read from one float earlier, so as
  * not to read past it. A vector load that waited for the store of a single float would take as long as all of this.
  */
-MLRT_INLINE struct growing_box reference_of(const struct mlrt_triangle *triangle, uint32_t number)
+MLRT_INLINE struct mlrt_quad_box reference_of(const struct mlrt_triangle *triangle, uint32_t number)
 {
     const uint32_t bits = number | MLRT_REFERENCE_MARK;
     const f4 a = f4_load_any(triangle->v[0]), b = f4_load_any(triangle->v[1]), zero = f4_set1(0);
@@ -233,7 +231,7 @@ MLRT_INLINE struct growing_box reference_of(const struct mlrt_triangle *triangle
     const f4 lo = f4_add(f4_min(c, f4_min(a, b)), zero), hi = f4_add(f4_max(c, f4_max(a, b)), zero);
     float word;
     memcpy(&word, &bits, sizeof word);
-    return (struct growing_box){f4_join(lo, f4_set1(word)), f4_join(hi, zero)};
+    return (struct mlrt_quad_box){{.v = f4_join(lo, f4_set1(word))}, {.v = f4_join(hi, zero)}};
 }
 
 /* Makes a reference for each triangle of a chunk that is not left out, from the place of the chunk's first triangle. */
@@ -244,23 +242,23 @@ static double make_chunk_references(struct build *build, uint32_t number, uint32
     const uint32_t last = first + mlrt_item_size(build->tree->triangle_count, CHUNK_SIZE, number);
     const float unit = build->tree->bvh.unit;
     struct mlrt_quad_box *references = build->references.boxes + first;
-    struct growing_set set = empty_set();
+    struct mlrt_bvh_set set = empty_set(first);
     (void)worker;
-    *chunk = (struct chunk){.count = 0};
+    *chunk = (struct chunk){.non_finite_count = 0};
     for (uint32_t i = first; i < last; i++) {
         const struct mlrt_triangle *triangle = &build->tree->triangles[i];
         if (!mlrt_keep_triangle(triangle, &chunk->non_finite_count, &chunk->zero_area_count)) continue;
-        const struct growing_box reference = reference_of(triangle, i);
-        store_box(&reference, &references[chunk->count++]);
-        add_reference(&set, reference.lo, reference.hi);
+        const struct mlrt_quad_box reference = reference_of(triangle, i);
+        references[set.count] = reference;
+        add_reference(&set, reference.lo.v, reference.hi.v);
     }
-    chunk->set = finish_set(&set, first, chunk->count);
-    memcpy(chunk->bounds.lo, chunk->set.box.lo, sizeof chunk->bounds.lo);
-    memcpy(chunk->bounds.hi, chunk->set.box.hi, sizeof chunk->bounds.hi);
+    chunk->set = set;
+    memcpy(chunk->bounds.lo, set.box.lo.x, sizeof chunk->bounds.lo);
+    memcpy(chunk->bounds.hi, set.box.hi.x, sizeof chunk->bounds.hi);
     if (unit == 1 && is_within(&chunk->set.box, MLRT_BVH_FAR)) return CHUNK_SIZE * FIRST_WORK;
-    for (uint32_t i = 0; i < chunk->count; i++)
+    for (uint32_t i = 0; i < set.count; i++)
         if (unit != 1 || !is_within(&references[i], MLRT_BVH_FAR)) scale_reference(unit, &references[i]);
-    chunk->set = mlrt_measure_set(build->references.boxes, first, chunk->count, build->progress);
+    chunk->set = mlrt_measure_set(build->references.boxes, first, set.count, build->progress);
     return CHUNK_SIZE * FIRST_WORK;
 }
 
@@ -268,25 +266,24 @@ static double make_chunk_references(struct build *build, uint32_t number, uint32
 static int32_t make_references(struct build *build)
 {
     struct mlrt_box bounds = MLRT_NO_BOX;
-    struct growing_set whole = empty_set();
+    struct mlrt_bvh_set whole = empty_set(0);
     mlrt_tree_info *info = &build->tree->info;
     info->non_finite_count = info->zero_area_count = 0;
-    build->references.count = 0;
     if (run_step(build, build->limits.chunk_count, make_chunk_references) != MLRT_OK) return MLRT_ERROR_CANCELLED;
     for (uint32_t i = 0; i < build->limits.chunk_count; i++) {
         const struct chunk *chunk = &build->work.chunks[i];
-        if (build->references.count != i * CHUNK_SIZE)
-            memmove(&build->references.boxes[build->references.count], &build->references.boxes[i * CHUNK_SIZE],
-                    chunk->count * sizeof *build->references.boxes);
-        build->references.count += chunk->count;
+        if (whole.count != i * CHUNK_SIZE)
+            memmove(&build->references.boxes[whole.count], &build->references.boxes[i * CHUNK_SIZE],
+                    chunk->set.count * sizeof *build->references.boxes);
+        whole.count += chunk->set.count;
         mlrt_extend_box(chunk->bounds.lo, chunk->bounds.hi, &bounds);
-        grow(&whole.box, f4_load(chunk->set.box.lo), f4_load(chunk->set.box.hi));
-        grow(&whole.centres, f4_load(chunk->set.centres.lo), f4_load(chunk->set.centres.hi));
+        grow(&whole.box, chunk->set.box.lo.v, chunk->set.box.hi.v);
+        grow(&whole.centres, chunk->set.centres.lo.v, chunk->set.centres.hi.v);
         info->non_finite_count += chunk->non_finite_count;
         info->zero_area_count += chunk->zero_area_count;
     }
-    build->references.whole = finish_set(&whole, 0, build->references.count);
-    if (build->references.count > 0) build->tree->bounds = bounds;
+    build->references.whole = whole;
+    if (whole.count > 0) build->tree->bounds = bounds;
     mlrt_set_bvh_extent(build->tree);
     return MLRT_OK;
 }
@@ -405,9 +402,9 @@ static int overlaps(const struct build *build, const struct mlrt_bvh_split *spli
     struct mlrt_quad_box common;
     for (int k = 0; k < 3; k++) {
         const struct mlrt_quad_box *a = &split->box[0], *b = &split->box[1];
-        common.lo[k] = a->lo[k] > b->lo[k] ? a->lo[k] : b->lo[k];
-        common.hi[k] = a->hi[k] < b->hi[k] ? a->hi[k] : b->hi[k];
-        if (common.lo[k] > common.hi[k]) return 0;
+        common.lo.x[k] = a->lo.x[k] > b->lo.x[k] ? a->lo.x[k] : b->lo.x[k];
+        common.hi.x[k] = a->hi.x[k] < b->hi.x[k] ? a->hi.x[k] : b->hi.x[k];
+        if (common.lo.x[k] > common.hi.x[k]) return 0;
     }
     return area_of(&common) > build->preset->overlap_limit * build->scene_area;
 }
@@ -488,8 +485,8 @@ static int apply(struct build *build, const struct portion *portion, const struc
 static struct mlrt_binary_node *start_node(const struct build *build, const struct portion *portion)
 {
     struct mlrt_binary_node *node = &build->binary.nodes[portion->node];
-    memcpy(node->lo, portion->set.box.lo, sizeof node->lo);
-    memcpy(node->hi, portion->set.box.hi, sizeof node->hi);
+    memcpy(node->lo, portion->set.box.lo.x, sizeof node->lo);
+    memcpy(node->hi, portion->set.box.hi.x, sizeof node->hi);
     node->first = portion->set.first;
     node->count = portion->set.count;
     node->upper = 0;
@@ -619,8 +616,8 @@ static void choose_upper(const struct build *build, uint32_t number, const struc
     struct mlrt_binary_node *node = &build->binary.nodes[number];
     struct mlrt_forest_costs side_costs[2];
     struct mlrt_quad_box box;
-    memcpy(box.lo, node->lo, sizeof node->lo);
-    memcpy(box.hi, node->hi, sizeof node->hi);
+    memcpy(box.lo.x, node->lo, sizeof node->lo);
+    memcpy(box.hi.x, node->hi, sizeof node->hi);
     choose_upper(build, number + 1, next, &side_costs[0]);
     choose_upper(build, node->upper, next, &side_costs[1]);
     mlrt_choose_cut(&build->costs, relative_area(build, &box), side_costs, node, costs);
@@ -781,8 +778,8 @@ static void measure_scene(struct build *build, const struct mlrt_quad_box *box)
     const struct mlrt_box *core = &build->tree->bvh.core;
     struct mlrt_quad_box part = *box;
     for (int k = 0; k < 3; k++) {
-        if (core->lo[k] > part.lo[k]) part.lo[k] = core->lo[k];
-        if (core->hi[k] < part.hi[k]) part.hi[k] = core->hi[k];
+        if (core->lo[k] > part.lo.x[k]) part.lo.x[k] = core->lo[k];
+        if (core->hi[k] < part.hi.x[k]) part.hi.x[k] = core->hi[k];
     }
     build->scene_area = area_of(&part);
 }
@@ -792,7 +789,7 @@ static int32_t build_binary(struct build *build, struct mlrt_bvh_size *size)
 {
     struct portion *root = &build->work.portions[0];
     root->set = build->references.whole;
-    root->spare = build->limits.capacity - build->references.count;
+    root->spare = build->limits.capacity - build->references.whole.count;
     root->node = root->depth = root->failed_count = 0;
     root->budget = build->limits.leaf_limit;
     struct mlrt_forest_costs costs;
@@ -828,9 +825,9 @@ static int32_t build_hierarchy(struct build *build)
     if (!allocate_work(build)) return MLRT_ERROR_OUT_OF_MEMORY;
     mlrt_set_bvh_unit(tree);
     int32_t status = make_references(build);
-    if (status == MLRT_OK && build->references.count > 0) status = build_binary(build, &size);
+    if (status == MLRT_OK && build->references.whole.count > 0) status = build_binary(build, &size);
     if (status == MLRT_OK) status = allocate_result(build, &size);
-    if (status == MLRT_OK && build->references.count > 0) status = write_all(build);
+    if (status == MLRT_OK && build->references.whole.count > 0) status = write_all(build);
     if (status != MLRT_OK) return status;
     mlrt_write_given(tree);
     tree->info.depth = size.depth;

@@ -36,8 +36,8 @@ static double half_area(const float *lo, const float *hi, int row)
 {
     struct mlrt_quad_box box;
     for (int k = 0; k < 3; k++) {
-        box.lo[k] = lo[k * row] < -MLRT_BVH_FAR ? -2 * MLRT_BVH_FAR : lo[k * row];
-        box.hi[k] = hi[k * row] > MLRT_BVH_FAR ? 2 * MLRT_BVH_FAR : hi[k * row];
+        box.lo.x[k] = lo[k * row] < -MLRT_BVH_FAR ? -2 * MLRT_BVH_FAR : lo[k * row];
+        box.hi.x[k] = hi[k * row] > MLRT_BVH_FAR ? 2 * MLRT_BVH_FAR : hi[k * row];
     }
     return area_of(&box);
 }

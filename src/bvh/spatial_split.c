@@ -81,13 +81,13 @@ MLRT_INLINE struct sorted_triangle sort_vertices(const struct vertices *vertices
 }
 
 /* The box of the segment in which a plane, at that height, cuts the triangle. */
-MLRT_INLINE struct growing_box cross_section(const struct sorted_triangle *triangle, float height)
+MLRT_INLINE struct mlrt_quad_box cross_section(const struct sorted_triangle *triangle, float height)
 {
     f4 above_low = f4_set1(height - triangle->low_height), above_middle = f4_set1(height - triangle->middle_height);
     f4 a = f4_add(triangle->low, f4_mul(triangle->whole_slope, above_low));
     f4 b = height < triangle->middle_height ? f4_add(triangle->low, f4_mul(triangle->lower_slope, above_low))
                                             : f4_add(triangle->middle, f4_mul(triangle->upper_slope, above_middle));
-    return (struct growing_box){f4_min(a, b), f4_max(a, b)};
+    return (struct mlrt_quad_box){{.v = f4_min(a, b)}, {.v = f4_max(a, b)}};
 }
 
 /*
@@ -99,18 +99,18 @@ MLRT_INLINE void fill_axis(const struct vertices *vertices, const struct mlrt_qu
                            struct mlrt_bvh_bins *bins)
 {
     const struct sorted_triangle sorted = sort_vertices(vertices, axis);
-    f4 lo = f4_load(reference->lo), hi = f4_load(reference->hi);
-    float height = reference->lo[axis], end = reference->hi[axis];
+    f4 lo = reference->lo.v, hi = reference->hi.v;
+    float height = reference->lo.x[axis], end = reference->hi.x[axis];
     if (height < sorted.low_height) height = sorted.low_height;
     if (end > sorted.high_height) end = sorted.high_height;
-    struct growing_box below = cross_section(&sorted, height);
+    struct mlrt_quad_box below = cross_section(&sorted, height);
     for (uint32_t slab = first; slab <= last; slab++) {
         float next_height = slab < last ? slab_start(slabs, axis, slab + 1) : end;
-        struct growing_box above = cross_section(&sorted, next_height), box = below;
-        grow(&box, above.lo, above.hi);
+        struct mlrt_quad_box above = cross_section(&sorted, next_height), box = below;
+        grow(&box, above.lo.v, above.hi.v);
         if (height <= sorted.middle_height && sorted.middle_height <= next_height)
             grow(&box, sorted.middle, sorted.middle);
-        extend_box(&bins->box[slab][axis], f4_max(box.lo, lo), f4_min(box.hi, hi));
+        grow(&bins->box[slab][axis], f4_max(box.lo.v, lo), f4_min(box.hi.v, hi));
         below = above;
         height = next_height;
     }
@@ -130,7 +130,7 @@ void mlrt_fill_slabs(const struct mlrt_triangle *triangles, float unit, const st
         if (i + AHEAD < first + count) mlrt_prefetch(&triangles[mlrt_reference_triangle(&references[i + AHEAD])]);
         MLRT_ALIGNED(16) float low[4], high[4];
         struct vertices vertices;
-        f4 lo = f4_load(reference->lo), hi = f4_load(reference->hi);
+        f4 lo = reference->lo.v, hi = reference->hi.v;
         f4_store(low, f4_mul(f4_sub(lo, start), scale));
         f4_store(high, f4_mul(f4_sub(hi, start), scale));
         load_vertices(triangle, unit, &vertices);
@@ -139,7 +139,7 @@ void mlrt_fill_slabs(const struct mlrt_triangle *triangles, float unit, const st
             bins->first_count[first_slab][axis]++;
             bins->last_count[last_slab][axis]++;
             if (first_slab == last_slab)
-                extend_box(&bins->box[first_slab][axis], lo, hi);
+                grow(&bins->box[first_slab][axis], lo, hi);
             else
                 fill_axis(&vertices, reference, &slabs, axis, first_slab, last_slab, bins);
         }
@@ -151,21 +151,19 @@ void mlrt_fill_slabs(const struct mlrt_triangle *triangles, float unit, const st
 static void choose_on_axis(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t count,
                            uint32_t spare, uint32_t axis, struct mlrt_bvh_split *split)
 {
-    struct mlrt_quad_box upper[MLRT_BVH_BINS], lower;
-    struct growing_box box = empty_box();
+    struct mlrt_quad_box upper[MLRT_BVH_BINS], lower = empty_box();
     uint32_t lower_count = 0, upper_count = count;
-    for (uint32_t slab = bins->bin_count - 1; slab > 0; slab--) {
-        grow(&box, f4_load(bins->box[slab][axis].lo), f4_load(bins->box[slab][axis].hi));
-        store_box(&box, &upper[slab]);
+    upper[bins->bin_count - 1] = bins->box[bins->bin_count - 1][axis];
+    for (uint32_t slab = bins->bin_count - 2; slab > 0; slab--) {
+        upper[slab] = upper[slab + 1];
+        grow(&upper[slab], bins->box[slab][axis].lo.v, bins->box[slab][axis].hi.v);
     }
-    box = empty_box();
     for (uint32_t slab = 0; slab < bins->bin_count - 1; slab++) {
         lower_count += (uint32_t)bins->first_count[slab][axis];
         upper_count -= (uint32_t)bins->last_count[slab][axis];
-        grow(&box, f4_load(bins->box[slab][axis].lo), f4_load(bins->box[slab][axis].hi));
+        grow(&lower, bins->box[slab][axis].lo.v, bins->box[slab][axis].hi.v);
         if (lower_count == 0 || lower_count == count || upper_count == 0 || upper_count == count) continue;
         if (lower_count + upper_count - count > spare) continue;
-        store_box(&box, &lower);
         double cost =
             area_of(&lower) * set_cost(costs, lower_count) + area_of(&upper[slab + 1]) * set_cost(costs, upper_count);
         if (!(cost < split->cost)) continue;
@@ -189,9 +187,8 @@ void mlrt_choose_plane(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
 
 /* A set whose references are being dealt out to two sides. */
 struct dealing {
-    struct growing_set side[2]; /* the references dealt so far */
-    uint32_t dealt_count[2];
-    uint32_t count[2]; /* how many references, in which box, each side is expected to have in the end */
+    struct mlrt_bvh_set side[2]; /* the references dealt so far */
+    uint32_t count[2];           /* how many references, in which box, each side is expected to have in the end */
     struct mlrt_quad_box box[2];
 };
 
@@ -205,7 +202,7 @@ static void swap_references(struct mlrt_quad_box *a, struct mlrt_quad_box *b)
 static double joined_area(const struct mlrt_quad_box *box, const struct mlrt_quad_box *reference)
 {
     struct mlrt_quad_box joined = *box;
-    extend_box(&joined, f4_load(reference->lo), f4_load(reference->hi));
+    grow(&joined, reference->lo.v, reference->hi.v);
     return area_of(&joined);
 }
 
@@ -223,13 +220,12 @@ static int choose_side(const struct dealing *dealing, const struct mlrt_quad_box
 
 static void deal(struct dealing *dealing, int side, const struct mlrt_quad_box *reference)
 {
-    add_reference(&dealing->side[side], f4_load(reference->lo), f4_load(reference->hi));
-    dealing->dealt_count[side]++;
+    add_reference(&dealing->side[side], reference->lo.v, reference->hi.v);
 }
 
 static void deal_whole(struct dealing *dealing, int side, const struct mlrt_quad_box *reference)
 {
-    extend_box(&dealing->box[side], f4_load(reference->lo), f4_load(reference->hi));
+    grow(&dealing->box[side], reference->lo.v, reference->hi.v);
     dealing->count[1 - side]--;
     deal(dealing, side, reference);
 }
@@ -244,20 +240,20 @@ static int cut_reference(const struct mlrt_triangle *triangles, float unit, cons
     struct mlrt_triangle triangle;
     struct mlrt_box box;
     struct mlrt_halves halves;
-    memcpy(box.lo, reference->lo, sizeof box.lo);
-    memcpy(box.hi, reference->hi, sizeof box.hi);
+    memcpy(box.lo, reference->lo.x, sizeof box.lo);
+    memcpy(box.hi, reference->hi.x, sizeof box.hi);
     if (position < box.lo[axis]) position = box.lo[axis];
     if (position > box.hi[axis]) position = box.hi[axis];
     parts[0] = parts[1] = *reference;
     if (!mlrt_triangle_in_units(&triangles[mlrt_reference_triangle(reference)], unit, &triangle)) {
-        parts[0].hi[axis] = parts[1].lo[axis] = position;
+        parts[0].hi.x[axis] = parts[1].lo.x[axis] = position;
         return 3;
     }
     mlrt_clip_halves(&triangle, &box, axis, position, 0, &halves);
     for (int side = 0; side < 2; side++)
         for (int k = 0; k < 3 && halves.touched[side]; k++) {
-            parts[side].lo[k] = halves.box[side].lo[k];
-            parts[side].hi[k] = halves.box[side].hi[k];
+            parts[side].lo.x[k] = halves.box[side].lo[k];
+            parts[side].hi.x[k] = halves.box[side].hi[k];
         }
     int touched = halves.touched[0] | halves.touched[1] << 1;
     return touched != 0 ? touched : 1;
@@ -277,16 +273,16 @@ void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit,
 {
     const struct mlrt_binning slabs = mlrt_cut_bins(&set->box, MLRT_BVH_BINS);
     struct dealing dealing = {
-        {empty_set(), empty_set()}, {0, 0}, {split->count[0], split->count[1]}, {split->box[0], split->box[1]}};
+        {empty_set(set->first), empty_set(0)}, {split->count[0], split->count[1]}, {split->box[0], split->box[1]}};
     uint32_t axis = split->axis, lower = set->first, next = lower, upper = lower + set->count, end = upper;
     while (next < upper) {
         if (mlrt_is_cancelled_in_round(progress, upper - next)) break;
-        if (slab_of(&slabs, axis, references[next].hi[axis]) <= split->bin) {
+        if (slab_of(&slabs, axis, references[next].hi.x[axis]) <= split->bin) {
             deal(&dealing, 0, &references[next]);
             if (next != lower) swap_references(&references[next], &references[lower]);
             lower++;
             next++;
-        } else if (slab_of(&slabs, axis, references[next].lo[axis]) > split->bin) {
+        } else if (slab_of(&slabs, axis, references[next].lo.x[axis]) > split->bin) {
             deal(&dealing, 1, &references[next]);
             swap_references(&references[next], &references[--upper]);
         } else {
@@ -312,6 +308,7 @@ void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit,
         if (touched & 1) references[lower++] = parts[0];
         if (touched & 2) references[end++] = parts[1];
     }
-    sides[0] = finish_set(&dealing.side[0], set->first, dealing.dealt_count[0]);
-    sides[1] = finish_set(&dealing.side[1], upper, dealing.dealt_count[1]);
+    sides[0] = dealing.side[0];
+    sides[1] = dealing.side[1];
+    sides[1].first = upper;
 }

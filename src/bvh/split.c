@@ -13,10 +13,11 @@
 struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
                                      struct mlrt_progress *progress)
 {
-    struct growing_set set = empty_set();
+    struct mlrt_bvh_set set = empty_set(first);
     for (uint32_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++)
-        add_reference(&set, f4_load(references[first + i].lo), f4_load(references[first + i].hi));
-    return finish_set(&set, first, count);
+        add_reference(&set, references[first + i].lo.v, references[first + i].hi.v);
+    set.count = count;
+    return set;
 }
 
 /* ---- the best of all places between bins ----------------------------------------------------------------------- */
@@ -29,7 +30,7 @@ static float relative_unit(const struct mlrt_quad_box *box)
 {
     float extent = 0x1p-100f;
     for (int k = 0; k < 3; k++) {
-        const float size = box->hi[k] - box->lo[k];
+        const float size = box->hi.x[k] - box->lo.x[k];
         if (size > extent) extent = size;
     }
     return 1 / extent;
@@ -37,7 +38,7 @@ static float relative_unit(const struct mlrt_quad_box *box)
 
 /* The boxes and counts of bins on one side of a place, for each axis. */
 struct side {
-    struct growing_box box[3];
+    struct mlrt_quad_box box[3];
     MLRT_ALIGNED(16) int32_t count[4];
 };
 
@@ -58,8 +59,8 @@ MLRT_INLINE f4 add_row(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
     MLRT_UNROLL
     for (int axis = 0; axis < 3; axis++) {
         const struct mlrt_quad_box *box = &bins->box[row][axis];
-        grow(&side->box[axis], f4_load(box->lo), f4_load(box->hi));
-        const f4 extent = f4_mul(f4_sub(side->box[axis].hi, side->box[axis].lo), unit);
+        grow(&side->box[axis], box->lo.v, box->hi.v);
+        const f4 extent = f4_mul(f4_sub(side->box[axis].hi.v, side->box[axis].lo.v), unit);
         products[axis] = f4_mul(extent, f4_next(extent));
     }
     for (int axis = 0; axis < 4; axis++) {
@@ -71,12 +72,11 @@ MLRT_INLINE f4 add_row(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
 }
 
 /* The box of the references in bins first .. last along the axis. */
-static void join_bins(const struct mlrt_bvh_bins *bins, uint32_t axis, uint32_t first, uint32_t last,
-                      struct mlrt_quad_box *joined)
+static struct mlrt_quad_box join_bins(const struct mlrt_bvh_bins *bins, uint32_t axis, uint32_t first, uint32_t last)
 {
-    struct growing_box box = empty_box();
-    for (uint32_t i = first; i <= last; i++) grow(&box, f4_load(bins->box[i][axis].lo), f4_load(bins->box[i][axis].hi));
-    store_box(&box, joined);
+    struct mlrt_quad_box box = empty_box();
+    for (uint32_t i = first; i <= last; i++) grow(&box, bins->box[i][axis].lo.v, bins->box[i][axis].hi.v);
+    return box;
 }
 
 void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins,
@@ -107,8 +107,8 @@ void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
     split->count[0] = 0;
     for (uint32_t i = 0; i <= bin; i++) split->count[0] += (uint32_t)bins->first_count[i][axis];
     split->count[1] = set->count - split->count[0];
-    join_bins(bins, axis, 0, bin, &split->box[0]);
-    join_bins(bins, axis, bin + 1, last, &split->box[1]);
+    split->box[0] = join_bins(bins, axis, 0, bin);
+    split->box[1] = join_bins(bins, axis, bin + 1, last);
 }
 
 /* ---- few references: each has bins of its own ------------------------------------------------------------------- */
@@ -145,7 +145,7 @@ void mlrt_sweep_set(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_b
     references += set->first;
     for (uint32_t i = 0; i < set->count; i++) {
         MLRT_ALIGNED(16) float centre[4];
-        f4_store(centre, centre_of(f4_load(references[i].lo), f4_load(references[i].hi)));
+        f4_store(centre, centre_of(references[i].lo.v, references[i].hi.v));
         for (int axis = 0; axis < 3; axis++) key[axis][i] = key_of(centre[axis], i);
     }
     for (int axis = 0; axis < 3; axis++)
@@ -192,9 +192,9 @@ struct mlrt_binning mlrt_cut_bins(const struct mlrt_quad_box *box, uint32_t bin_
 {
     struct mlrt_binning binning = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0}};
     for (int k = 0; k < 3; k++) {
-        const float extent = box->hi[k] - box->lo[k];
+        const float extent = box->hi.x[k] - box->lo.x[k];
         const float scale = extent > 0 ? (float)bin_count * (1 - 0x1p-10f) / extent : 0;
-        binning.start[k] = box->lo[k];
+        binning.start[k] = box->lo.x[k];
         binning.scale[k] = scale <= FLT_MAX ? scale : 0;
         binning.width[k] = binning.scale[k] > 0 ? 1 / binning.scale[k] : 0;
     }
@@ -211,7 +211,7 @@ void mlrt_clear_bins(enum mlrt_split_kind kind, uint32_t count, struct mlrt_bvh_
     bins->kind = kind;
     bins->bin_count = kind == MLRT_SPLIT_BY_PLANE ? MLRT_BVH_BINS : bins_of(count);
     for (uint32_t i = 0; i < bins->bin_count; i++)
-        for (int axis = 0; axis < 3; axis++) clear_box(&bins->box[i][axis]);
+        for (int axis = 0; axis < 3; axis++) bins->box[i][axis] = empty_box();
     memset(bins->first_count, 0, bins->bin_count * sizeof *bins->first_count);
     if (kind == MLRT_SPLIT_BY_PLANE) memset(bins->last_count, 0, sizeof bins->last_count);
 }
@@ -225,10 +225,10 @@ void mlrt_clear_bins(enum mlrt_split_kind kind, uint32_t count, struct mlrt_bvh_
 /* Adds a reference to its bin along each axis. */
 MLRT_INLINE void fill_bin(const struct mlrt_quad_box *reference, const int32_t bin[4], struct mlrt_bvh_bins *bins)
 {
-    const f4 lo = f4_load(reference->lo), hi = f4_load(reference->hi);
+    const f4 lo = reference->lo.v, hi = reference->hi.v;
     MLRT_UNROLL
     for (int axis = 0; axis < 3; axis++) {
-        extend_box(&bins->box[bin[axis]][axis], lo, hi);
+        grow(&bins->box[bin[axis]][axis], lo, hi);
         bins->first_count[bin[axis]][axis]++;
     }
 }
@@ -240,7 +240,7 @@ static void fill_block(const struct mlrt_quad_box *references, uint32_t count, f
     MLRT_ALIGNED(16) int32_t bin[BLOCK_SIZE][4];
     uint32_t i;
     for (i = 0; i < count; i++) {
-        const f4 centre = centre_of(f4_load(references[i].lo), f4_load(references[i].hi));
+        const f4 centre = centre_of(references[i].lo.v, references[i].hi.v);
         f4_store_whole(bin[i], f4_mul(f4_sub(centre, start), scale));
     }
     for (i = 0; i + 1 < count; i += 2) {
@@ -270,17 +270,17 @@ void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum
 {
     for (uint32_t i = 0; i < sum->bin_count; i++)
         for (int axis = 0; axis < 3; axis++) {
-            extend_box(&sum->box[i][axis], f4_load(bins->box[i][axis].lo), f4_load(bins->box[i][axis].hi));
+            grow(&sum->box[i][axis], bins->box[i][axis].lo.v, bins->box[i][axis].hi.v);
             sum->first_count[i][axis] += bins->first_count[i][axis];
             if (sum->kind == MLRT_SPLIT_BY_PLANE) sum->last_count[i][axis] += bins->last_count[i][axis];
         }
 }
 
 /* Extends the box by a centre, but not where that is NaN. */
-MLRT_INLINE void grow_unless_nan(struct growing_box *box, f4 centre)
+MLRT_INLINE void grow_unless_nan(struct mlrt_quad_box *box, f4 centre)
 {
-    box->lo = f4_min(centre, box->lo);
-    box->hi = f4_max(centre, box->hi);
+    box->lo.v = f4_min(centre, box->lo.v);
+    box->hi.v = f4_max(centre, box->hi.v);
 }
 
 /*
@@ -294,21 +294,21 @@ static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_s
     const uint32_t axis = split->axis;
     const f4 start = f4_set1(binning.start[axis]), scale = f4_set1(binning.scale[axis]);
     const f4 limit = f4_set1((float)(split->bin + 1));
-    struct growing_box lower = empty_box(), upper = empty_box();
+    struct mlrt_quad_box lower = empty_box(), upper = empty_box();
     struct mlrt_quad_box *next = references + set->first, *place = next;
     for (uint32_t left = set->count; left > 0 && !mlrt_is_cancelled_in_round(progress, left); left--) {
-        const f4 lo = f4_load(next->lo), hi = f4_load(next->hi), centre = centre_of(lo, hi);
-        const f4 along_axis = centre_of(f4_set1(next->lo[axis]), f4_set1(next->hi[axis]));
+        const f4 lo = next->lo.v, hi = next->hi.v, centre = centre_of(lo, hi);
+        const f4 along_axis = centre_of(f4_set1(next->lo.x[axis]), f4_set1(next->hi.x[axis]));
         const f4 beyond = f4_sub(f4_mul(f4_sub(along_axis, start), scale), limit); /* negative on the lower side */
         grow_unless_nan(&lower, f4_hide(centre, f4_flip(beyond, -1)));
         grow_unless_nan(&upper, f4_hide(centre, beyond));
         *next++ = *place;
-        f4_store(place->lo, lo);
-        f4_store(place->hi, hi);
+        place->lo.v = lo;
+        place->hi.v = hi;
         place += f4_signs(beyond) & 1;
     }
-    store_box(&lower, &sides[0].centres);
-    store_box(&upper, &sides[1].centres);
+    sides[0].centres = lower;
+    sides[1].centres = upper;
 }
 
 /* ---- both ---------------------------------------------------------------------------------------------------- */

@@ -21,29 +21,34 @@
 
 /* ---- sets of references: boxes of four floats per corner on their way into leaves, and costs ---- */
 
-/* A box as two f4. The fourth elements do not matter, but should be normal floats or 0, so that arithmetic is fast. */
-struct mlrt_quad_box {
-    MLRT_ALIGNED(16) float lo[4];
-    MLRT_ALIGNED(16) float hi[4];
+/* Four floats, one by one or as a vector. */
+union mlrt_quad {
+    MLRT_ALIGNED(16) float x[4];
+    f4 v;
 };
 
-MLRT_INLINE void clear_box(struct mlrt_quad_box *box)
+/* A box. The fourth elements do not matter, but should be normal floats or 0, so that arithmetic is fast. */
+struct mlrt_quad_box {
+    union mlrt_quad lo;
+    union mlrt_quad hi;
+};
+
+MLRT_INLINE struct mlrt_quad_box empty_box(void)
 {
-    f4_store(box->lo, f4_set1(INFINITY));
-    f4_store(box->hi, f4_set1(-INFINITY));
+    return (struct mlrt_quad_box){{.v = f4_set1(INFINITY)}, {.v = f4_set1(-INFINITY)}};
 }
 
-MLRT_INLINE void extend_box(struct mlrt_quad_box *box, f4 lo, f4 hi)
+MLRT_INLINE void grow(struct mlrt_quad_box *box, f4 lo, f4 hi)
 {
-    f4_store(box->lo, f4_min(f4_load(box->lo), lo));
-    f4_store(box->hi, f4_max(f4_load(box->hi), hi));
+    box->lo.v = f4_min(box->lo.v, lo);
+    box->hi.v = f4_max(box->hi.v, hi);
 }
 
 /* Half the surface area, in double because extents are 2^-149 to 2^129. */
 MLRT_INLINE double area_of(const struct mlrt_quad_box *box)
 {
-    double x = (double)box->hi[0] - box->lo[0], y = (double)box->hi[1] - box->lo[1],
-           z = (double)box->hi[2] - box->lo[2];
+    double x = (double)box->hi.x[0] - box->lo.x[0], y = (double)box->hi.x[1] - box->lo.x[1],
+           z = (double)box->hi.x[2] - box->lo.x[2];
     return x * y + y * z + z * x;
 }
 
@@ -56,29 +61,6 @@ MLRT_INLINE f4 centre_of(f4 lo, f4 hi)
 {
     f4 quarter = f4_set1(0.25f);
     return f4_add(f4_mul(lo, quarter), f4_mul(hi, quarter));
-}
-
-/* A box that grows in registers. */
-struct growing_box {
-    f4 lo;
-    f4 hi;
-};
-
-MLRT_INLINE struct growing_box empty_box(void)
-{
-    return (struct growing_box){f4_set1(INFINITY), f4_set1(-INFINITY)};
-}
-
-MLRT_INLINE void grow(struct growing_box *box, f4 lo, f4 hi)
-{
-    box->lo = f4_min(box->lo, lo);
-    box->hi = f4_max(box->hi, hi);
-}
-
-MLRT_INLINE void store_box(const struct growing_box *box, struct mlrt_quad_box *stored)
-{
-    f4_store(stored->lo, box->lo);
-    f4_store(stored->hi, box->hi);
 }
 
 /*
@@ -94,7 +76,7 @@ MLRT_INLINE void store_box(const struct growing_box *box, struct mlrt_quad_box *
 static inline uint32_t mlrt_reference_word(const struct mlrt_quad_box *reference)
 {
     uint32_t bits;
-    memcpy(&bits, &reference->lo[3], sizeof bits);
+    memcpy(&bits, &reference->lo.x[3], sizeof bits);
     return bits & ~MLRT_REFERENCE_MARK;
 }
 
@@ -107,7 +89,7 @@ static inline uint32_t mlrt_reference_triangle(const struct mlrt_quad_box *refer
 static inline void mlrt_mark_copy(struct mlrt_quad_box *reference)
 {
     const uint32_t bits = mlrt_reference_word(reference) | MLRT_REFERENCE_MARK | MLRT_REFERENCE_COPY;
-    memcpy(&reference->lo[3], &bits, sizeof bits);
+    memcpy(&reference->lo.x[3], &bits, sizeof bits);
 }
 
 /*
@@ -134,32 +116,18 @@ struct mlrt_bvh_set {
     uint32_t count;
 };
 
-/* The boxes of a set while references are added to it. */
-struct growing_set {
-    struct growing_box box;
-    struct growing_box centres;
-};
-
-MLRT_INLINE struct growing_set empty_set(void)
+/* A set without references so far, which begins with the reference `first`. */
+MLRT_INLINE struct mlrt_bvh_set empty_set(uint32_t first)
 {
-    return (struct growing_set){empty_box(), empty_box()};
+    return (struct mlrt_bvh_set){empty_box(), empty_box(), first, 0};
 }
 
-MLRT_INLINE void add_reference(struct growing_set *set, f4 lo, f4 hi)
+MLRT_INLINE void add_reference(struct mlrt_bvh_set *set, f4 lo, f4 hi)
 {
-    f4 centre = centre_of(lo, hi);
+    const f4 centre = centre_of(lo, hi);
     grow(&set->box, lo, hi);
     grow(&set->centres, centre, centre);
-}
-
-MLRT_INLINE struct mlrt_bvh_set finish_set(const struct growing_set *growing, uint32_t first, uint32_t count)
-{
-    struct mlrt_bvh_set set;
-    store_box(&growing->box, &set.box);
-    store_box(&growing->centres, &set.centres);
-    set.first = first;
-    set.count = count;
-    return set;
+    set->count++;
 }
 
 /*
