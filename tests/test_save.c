@@ -1450,7 +1450,7 @@ static void test_deep_kdtrees_are_refused(void **state)
 /* Nodes with 16 children that are all one node, but for the last of `depth`: a tree of 15 leaves and a node each. */
 static int deep_boxes_are_accepted(uint32_t depth, uint32_t places)
 {
-    enum { TRIANGLES = 16 * 40 };
+    enum { TRIANGLES = 16 * (MLRT_BVH_DEPTH_LIMIT + 1) };
     struct random random = {23};
     struct soup soup = {0};
     soup_add_random(&soup, &random, TRIANGLES, 1, 0.2f);
