@@ -88,14 +88,14 @@ static int is_within(const struct mlrt_box *box, float limit)
 
 void mlrt_set_bvh_unit(struct mlrt_tree *tree)
 {
-    tree->bvh.unit = (float)ldexp(1, unit_exponent(typical_exponent(tree)));
+    tree->bvh.typical_exponent = typical_exponent(tree);
+    tree->bvh.unit = (float)ldexp(1, unit_exponent(tree->bvh.typical_exponent));
 }
 
 void mlrt_set_bvh_extent(struct mlrt_tree *tree)
 {
     struct mlrt_bvh *bvh = &tree->bvh;
-    const int typical = typical_exponent(tree);
-    const double limit = ldexp(1, typical + CORE_EXPONENT);
+    const double limit = ldexp(1, bvh->typical_exponent + CORE_EXPONENT);
     struct mlrt_box core = MLRT_NO_BOX;
     for (int k = 0; k < 3; ++k) {
         bvh->whole.lo[k] = mlrt_low_in_units(tree->bounds.lo[k], bvh->unit);

@@ -23,10 +23,10 @@
 
 #define MLRT_BVH_FAR 0x1p62f
 
-/* Sets tree->bvh.unit from the triangles. */
+/* Sets the unit of tree->bvh, and its typical exponent, from the triangles. */
 void mlrt_set_bvh_unit(struct mlrt_tree *tree);
 
-/* Sets `whole` and `core` of tree->bvh from its unit, the triangles, and tree->bounds. */
+/* Sets `whole` and `core` of tree->bvh from these, the triangles, and tree->bounds. */
 void mlrt_set_bvh_extent(struct mlrt_tree *tree);
 
 /* The low bound of a box for a coordinate in units, rounded down. */
