@@ -88,7 +88,7 @@ static void a_vertex_of_a_fan(void **state)
         }
         for (int i = 0; i < blades; i++) soup_add_triangle(&soup, centre, rim[i], rim[(i + 1) % blades]);
         struct fixture fixture = fixture_of_soup("fan", 2, &soup);
-        for (int i = 0; i < 200; i++) {
+        for (size_t i = 0; i < scaled(200); i++) {
             float origin[3] = {(float)draw_below(&random, 9) - 4, (float)draw_below(&random, 9) - 4, 20};
             add_ray_towards(&list, origin, centre);
         }
@@ -365,8 +365,9 @@ static void large_coordinates_with_small_features(void **state)
 /* ---- closed meshes ----------------------------------------------------------------------------------------------- */
 
 /* From inside towards every vertex, every middle of an edge, axes and diagonals: each must hit. */
-static void check_closed(const char *name, struct soup *soup, const float inside[3], size_t step)
+static void check_closed(const char *name, struct soup *soup, const float inside[3])
 {
+    const size_t step = 8 / scaled(8);
     struct random random = {20};
     struct ray_list list = {0};
     struct fixture fixture = fixture_of_soup(name, 20, soup);
@@ -404,7 +405,7 @@ static void no_leak_from_a_sphere(void **state)
     const float inside[3] = {0.1f, -0.2f, 0.3f};
     struct soup soup = {0};
     soup_add_icosphere(&soup, 5, 1);
-    check_closed("sphere", &soup, inside, scaled(1) == 1 ? 1 : 8);
+    check_closed("sphere", &soup, inside);
 }
 
 static void no_leak_from_a_shifted_sphere(void **state)
@@ -416,7 +417,7 @@ static void no_leak_from_a_shifted_sphere(void **state)
         struct soup soup = {0};
         soup_add_icosphere(&soup, 3, 1);
         move_soup(&soup, 1, offset);
-        check_closed("shifted sphere", &soup, offset, 1);
+        check_closed("shifted sphere", &soup, offset);
     }
 }
 
@@ -429,7 +430,7 @@ static void no_leak_from_a_scaled_sphere(void **state)
         struct soup soup = {0};
         soup_add_icosphere(&soup, 3, 1);
         move_soup(&soup, scales[i], zero);
-        check_closed("scaled sphere", &soup, inside, 1);
+        check_closed("scaled sphere", &soup, inside);
     }
 }
 
@@ -439,9 +440,9 @@ static void no_leak_from_a_cube(void **state)
     const float lo[3] = {-1, -1, -1}, hi[3] = {1, 1, 1}, centre[3] = {0, 0, 0}, off[3] = {0.3f, -0.7f, 0.1f};
     struct soup soup = {0};
     soup_add_box(&soup, lo, hi);
-    check_closed("cube from its centre", &soup, centre, 1);
+    check_closed("cube from its centre", &soup, centre);
     soup_add_box(&soup, lo, hi);
-    check_closed("cube", &soup, off, 1);
+    check_closed("cube", &soup, off);
 }
 
 static void no_leak_from_a_torus(void **state)
@@ -450,7 +451,7 @@ static void no_leak_from_a_torus(void **state)
     const float inside[3] = {1, 0, 0};
     struct soup soup = {0};
     soup_add_torus(&soup, 60, 30, 1, 0.25f);
-    check_closed("torus", &soup, inside, 1);
+    check_closed("torus", &soup, inside);
 }
 
 /* ---- planes, cells and the tree ---------------------------------------------------------------------------------- */
