@@ -24,15 +24,19 @@ MLRT_INLINE vf find_line_values(const struct mlrt_pair_line *line, const struct 
                                 int v, vf *bound)
 {
     const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
-    const float reach = bundle->hulls.filter.reach[place],
-                blur = bundle->has.places ? bundle->hulls.filter.blur[place] : 0;
+    const float reach = bundle->hulls.filter.reach[place];
+    float error = line->error;
     vf f = v_set1(line->constant);
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) f = v_mul_add(v_set1(line->coefficient[i]), v_load(rays->term[i] + v), f);
-    for (int i = 2; bundle->has.places && i < MLRT_RAY_TERMS; ++i) {
-        f = v_mul_add(v_set1(line->coefficient[i]), v_load(rays->term[i] + v), f);
+    if (bundle->has.places) {
+        error += line->steepness * bundle->hulls.filter.blur[place];
+        MLRT_UNROLL
+        for (int i = 2; i < MLRT_RAY_TERMS; ++i) {
+            f = v_mul_add(v_set1(line->coefficient[i]), v_load(rays->term[i] + v), f);
+        }
     }
-    *bound = v_set1((line->error + line->steepness * blur) * reach * (1 + SLOPE_SLACK));
+    *bound = v_set1(error * reach * (1 + SLOPE_SLACK));
     return f;
 }
 
