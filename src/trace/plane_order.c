@@ -46,23 +46,22 @@
 static int set_line(const struct mlrt_turned_plane *first, const struct mlrt_turned_plane *second,
                     struct mlrt_pair_line *line)
 {
-    double moment[3], along[3], moment_size[3], along_size[3];
+    const double weight = mlrt_weigh(second->size);
+    double moment[3], along[3], along_size = 0;
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
         moment[k] = first->n * second->normal[k] - second->n * first->normal[k];
-        moment_size[k] = first->n_size * second->size[k] + second->n_size * first->size[k];
         along[k] = second->normal[i] * first->normal[j] - second->normal[j] * first->normal[i];
-        along_size[k] = second->size[i] * first->size[j] + second->size[j] * first->size[i];
+        along_size += first->size[k] * (second->size[i] + second->size[j]);
     }
-    const double length = mlrt_sum_of_magnitudes(along), all = fmax(mlrt_weigh(moment), 0x1p-20 * length),
-                 scale = 1 / all;
-    const double doubt = DOUBLE_ERROR * (0x1p24 / 6);
-    const double moment_doubt = 1 + doubt * mlrt_weigh(moment_size) * scale;
+    const double moment_size = first->n_size * weight + second->n_size * mlrt_weigh(first->size);
+    const double length = mlrt_sum_of_magnitudes(along), least = 0x1p-20 * length, size = mlrt_weigh(moment);
+    const double scale = 1 / (size > least ? size : least), doubt = DOUBLE_ERROR * (0x1p24 / 6) * scale;
+    const double moment_doubt = 1 + doubt * moment_size, normal_scale = 1 / weight;
     mlrt_scale_edge(moment, along, scale, &line->constant, line->coefficient);
     line->error = (float)(EDGE_ERROR * moment_doubt);
-    line->steepness = (float)((length + doubt * mlrt_sum_of_magnitudes(along_size)) * scale * (1 + 0x1p-22));
-    const double normal_scale = 1 / mlrt_weigh(second->size);
+    line->steepness = (float)((length * scale + doubt * along_size) * (1 + 0x1p-22));
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) line->normal[k] = (float)(second->normal[k] * normal_scale);
     return moment_doubt <= MOST_DOUBT;

@@ -65,13 +65,17 @@ struct mlrt_turned_corners {
 static inline void mlrt_turn_corners(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t number,
                                      struct mlrt_turned_corners *of)
 {
-    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+    const struct mlrt_corners corners = mlrt_corners_of(&tree->by_number, number);
+    const double unit = corners.in_units ? 1 : tree->bvh.unit;
     MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        const int axis = (waist->main_axis + k) % 3;
+    for (size_t k = 0; k < 3; ++k) {
+        const int axis = k == 0 ? waist->main_axis : mlrt_slope_axis(waist->main_axis, (int)k - 1);
         const double sign = k == 0 ? (double)waist->sign : 1;
         of->waist[k] = sign * waist->point[axis];
-        for (int i = 0; i < 3; ++i) of->corner[i][k] = triangle.v[i][axis] * (sign * tree->bvh.unit);
+        MLRT_UNROLL
+        for (size_t i = 0; i < 3; ++i) {
+            of->corner[i][k] = corners.corner[(3 * i + (size_t)axis) * corners.row] * (sign * unit);
+        }
     }
 }
 
