@@ -14,7 +14,8 @@
  *
  * ERRORS OF DOUBLES, v = 2^-53. From those of n and V (planes.h), C_k is off by less than 14.001 v of
  * T_k = s(V_1) size_2k + s(V_2) size_1k, and g_k by less than 10.001 v of U_k, the same two products of sizes.
- * T_k and U_k as computed are too small by at most 14 roundings. DOUBLE_ERROR, 16 v, is a bound for both.
+ * DOUBLE_ERROR, 16 v, is a bound for both. The sums of T_k and of U_k are made from sums of sizes, and are too small by
+ * at most 16 roundings.
  *
  * THE LINE, u = 2^-24. All as computed, let G = |g_z| + |g_j| + |g_l| and S = |C_z| + (|C_j| + |C_l|) / 2, or 2^-20 G
  * if that is more; and let S', G' be the same sums of the errors. F / S has the form of the edge functions of leaf.h,
@@ -29,8 +30,6 @@
  * RANGE. With those of planes.h, C is 0 or within 2^-745 .. 2^313: nothing overflows or underflows.
  */
 #include "trace/plane_order.h"
-
-#include <math.h>
 
 #include "bvh/unit.h"
 #include "exact/rounding.h"
