@@ -122,78 +122,74 @@ MLRT_INLINE void bound_along(const struct mlrt_packet *packet, uint32_t lanes, i
     search->hull.hi[k] = v_hmax(hi);
 }
 
-/* Do these rays of a packet start at one point? If the packet has an apex, fills its rows of origins with it. */
-MLRT_INLINE int find_origin(struct mlrt_packet *packet, uint32_t lanes, float origin[3])
-{
-    const uint32_t first = mlrt_lowest_bit(lanes);
-    uint32_t others = 0;
-    for (int k = 0; k < 3; ++k) {
-        origin[k] = packet->has.apex ? packet->apex[k] : packet->origin[k][first];
-        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            if (packet->has.apex) v_store(packet->origin[k] + v, v_set1(origin[k]));
-            others |= (~m_bits(v_eq(v_load(packet->origin[k] + v), v_set1(origin[k]))) & ALL_LANES) << v;
-        }
-    }
-    return !(others & lanes);
-}
-
-/* lowest and highest, not inlined: this saves 450 bytes in all and costs no time that could be measured. */
-static MLRT_NOINLINE float lowest_of(const float *values, uint32_t lanes)
-{
-    return lowest(values, lanes);
-}
-
+/* highest, not inlined: this saves 450 bytes in all and costs no time that could be measured. */
 static MLRT_NOINLINE float highest_of(const float *values, uint32_t lanes)
 {
     return highest(values, lanes);
 }
 
-/* Begins the search of a packet. */
+/*
+ * Sets what tests against boxes need along axis k, and finds the least values, and the least negated ones, of origins
+ * and directions. If the packet has an apex, its row of origins is filled with it.
+ */
+MLRT_INLINE void set_lanes_along(struct mlrt_packet *packet, uint32_t lanes, int k, struct lanes_search *search,
+                                 float least[4])
+{
+    struct extremes origins = NO_EXTREMES, directions = NO_EXTREMES;
+    uint32_t negative = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf none = v_select(m_from_bits(lanes >> v), v_set1(0), v_set1(NAN)); /* extremes ignore NaNs */
+        if (packet->has.apex) v_store(packet->origin[k] + v, v_set1(packet->apex[k]));
+        const vf d = v_load(packet->direction[k] + v), r = v_div(v_set1(1), d);
+        const vm down = v_lt(d, v_set1(0));
+        v_store(search->reciprocals.rounded[k] + v, r);
+        v_store(search->near[k] + v, v_mul(r, v_set1(RECIPROCAL_SLACK - 1)));
+        v_store(search->far[k] + v, v_mul(r, v_set1(-RECIPROCAL_SLACK - 1)));
+        i_store(search->near_row[k] + v, i_select(down, i_set1(row_of_planes(1, k)), i_set1(row_of_planes(0, k))));
+        negative |= m_bits(down) << v;
+        add_to_extremes(v_add(v_load(packet->origin[k] + v), none), &origins);
+        add_to_extremes(v_add(d, none), &directions);
+    }
+    search->negative[k] = negative & lanes;
+    f4_store(least, v_hmin4(origins.least, origins.negated, directions.least, directions.negated));
+}
+
+/*
+ * Begins the search of a packet. Where signs agree, reciprocals and roundings are monotone: so the ends of the hull are
+ * those of a lane.
+ */
 static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes, struct lanes_search *search)
 {
-    set_reciprocals(packet, &search->reciprocals);
-    for (int k = 0; k < 3; ++k) {
-        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            const vf r = v_load(search->reciprocals.rounded[k] + v);
-            v_store(search->near[k] + v, v_mul(r, v_set1(RECIPROCAL_SLACK - 1)));
-            v_store(search->far[k] + v, v_mul(r, v_set1(-RECIPROCAL_SLACK - 1)));
-        }
-    }
+    struct lanes_hull *hull = &search->hull;
+    float reach = 0;
     search->alive = lanes;
     search->count = 0;
-    search->hull.least_t_min = lowest_of(packet->t_min, lanes);
-    search->hull.farthest = finite_limit(highest_of(packet->nearest.hi, lanes));
-    search->one_origin = find_origin(packet, lanes, search->origin);
-    vf reach = v_set1(0);
+    search->one_origin = 1;
+    hull->least_t_min = lowest(packet->t_min, lanes);
+    hull->farthest = finite_limit(highest_of(packet->nearest.hi, lanes));
     for (int k = 0; k < 3; ++k) {
-        uint32_t negative = 0, positive = 0;
-        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            const vf d = v_load(packet->direction[k] + v);
-            const vm down = v_lt(d, v_set1(0));
-            negative |= m_bits(down) << v;
-            i_store(search->near_row[k] + v, i_select(down, i_set1(row_of_planes(1, k)), i_set1(row_of_planes(0, k))));
-            positive |= m_bits(v_gt(d, v_set1(0))) << v;
-            reach = v_max(v_select(m_from_bits(lanes >> v), v_abs(d), reach), reach);
-        }
-        negative &= lanes;
-        search->negative[k] = negative;
-        search->hull.agree[k] = negative == lanes || (positive & lanes) == lanes;
-        if (search->one_origin) {
-            search->hull.direction_lo[k] = lowest_of(packet->direction[k], lanes);
-            search->hull.direction_hi[k] = highest_of(packet->direction[k], lanes);
-        }
-        if (!search->hull.agree[k]) {
+        MLRT_ALIGNED(16) float least[4];
+        set_lanes_along(packet, lanes, k, search, least);
+        const float from = least[2], to = -least[3];
+        search->origin[k] = least[0];
+        search->one_origin &= least[0] == -least[1];
+        reach = larger_of(larger_of(-from, to), reach);
+        hull->lo[k] = least[0];
+        hull->hi[k] = -least[1];
+        hull->direction_lo[k] = from;
+        hull->direction_hi[k] = to;
+        hull->agree[k] = from > 0 || to < 0;
+        if (hull->agree[k]) {
+            hull->reciprocal_lo[k] = 1 / from * (from > 0 ? -RECIPROCAL_SLACK - 1 : RECIPROCAL_SLACK - 1);
+            hull->reciprocal_hi[k] = 1 / to * (from > 0 ? RECIPROCAL_SLACK - 1 : -RECIPROCAL_SLACK - 1);
+        } else if (hull->farthest < FLT_MAX) {
             bound_along(packet, lanes, k, search);
-            continue;
+        } else {
+            hull->lo[k] = -INFINITY;
+            hull->hi[k] = INFINITY;
         }
-        search->hull.lo[k] = lowest_of(packet->origin[k], lanes);
-        search->hull.hi[k] = highest_of(packet->origin[k], lanes);
-        const float *smaller = negative ? search->near[k] : search->far[k];
-        const float *larger = negative ? search->far[k] : search->near[k];
-        search->hull.reciprocal_lo[k] = lowest_of(smaller, lanes);
-        search->hull.reciprocal_hi[k] = highest_of(larger, lanes);
     }
-    search->reach = 4 * v_hmax(reach);
+    search->reach = 4 * reach;
 }
 
 /* Returns the boxes of a node that the hull of all lanes meets. Rays end at `farthest` at the latest. */
