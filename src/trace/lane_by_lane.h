@@ -10,13 +10,14 @@
  *
  * BOXES. The arithmetic and its bounds are those of single_ray.h.
  *
- * HULLS. Before the lanes of a node are tested, its boxes are compared with a hull of all lanes. Along an axis where
- * the signs of all directions agree, the hull is the intervals of origins and of reciprocals: the product of a
- * difference and a reciprocal lies between those of the intervals' ends, and roundings are monotone. Along another
- * axis, the hull is the interval of all coordinates on the rays, from o to e = o + t d for the t where they end. As
- * computed, t d is off by 1.001 u of itself, so of |o| + |e|, and by 2^-150, and the sum by u |e|. So e is moved
- * outward by 4 u (|o| + |e|) + 2^-126. This also covers the rounding of the moved end, u of itself. If e is infinite,
- * the sum or the difference is a NaN, which v_min and v_max drop: then o is the end, which is right.
+ * HULLS. Before the lanes of a node are tested, its boxes are compared with a hull of all lanes, if that is narrow.
+ * Along an axis where the signs of all directions agree, the hull is the intervals of origins and of reciprocals: the
+ * product of a difference and a reciprocal lies between those of the intervals' ends, and roundings are monotone. Along
+ * another axis, the hull is the interval of all coordinates on the rays, from o to e = o + t d for the t where they end,
+ * or everything if they do not end. As computed, t d is off by 1.001 u of itself, so of |o| + |e|, and by 2^-150, and
+ * the sum by u |e|. So e is moved outward by 4 u (|o| + |e|) + 2^-126. This also covers the rounding of the moved end, u
+ * of itself. If e is infinite, the sum or the difference is a NaN, which v_min and v_max drop: then o is the end, which
+ * is right.
  *
  * SIDES. The sides of a triangle and their products are the same for all rays, and are computed once for each leaf. Let
  * p = fl(a - o), g = fl(c - a), h = fl(a - b), n = g x h, and r = p x d. Then, as in predicate.c,
@@ -86,6 +87,7 @@ struct lanes_hull {
     float lo[3], hi[3]; /* of origins where signs agree, else of all coordinates on the rays */
     float reciprocal_lo[3], reciprocal_hi[3];
     float direction_lo[3], direction_hi[3]; /* if all rays start at one point */
+    int is_narrow; /* rays end, or signs agree along two axes or more: else hardly a box misses the hull */
     float least_t_min;
     float farthest; /* the greatest t where a ray ends, before any hit */
 };
@@ -190,6 +192,7 @@ static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes
         }
     }
     search->reach = 4 * reach;
+    hull->is_narrow = hull->farthest < FLT_MAX || hull->agree[0] + hull->agree[1] + hull->agree[2] >= 2;
 }
 
 /* Returns the boxes of a node that the hull of all lanes meets. Rays end at `farthest` at the latest. */
@@ -392,7 +395,7 @@ MLRT_INLINE void push_lanes(const struct mlrt_packet *packet, const struct mlrt_
     struct pending_lanes *top = &search->stack[search->count];
     struct boxes_met of;
     uint32_t boxes = 0xFFFF;
-    if (lane_count > FEW_FOR_HULL) {
+    if (lane_count > FEW_FOR_HULL && search->hull.is_narrow) {
         boxes = boxes_of_lanes(search, node,
                                any ? search->hull.farthest : finite_limit(highest_of(packet->nearest.hi, lanes)));
     }
