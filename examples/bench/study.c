@@ -126,6 +126,7 @@ static int build_with_peer(const struct builder *builder, const struct scene *sc
     *time = build.time;
     built->memory_size = (double)build.memory_size;
     destroy_peer(peer);
+    rest(); // or its threads, which end now, would take processor time from the next builder
     return peer == NULL;
 }
 

@@ -35,6 +35,12 @@ struct span span_since(struct span start)
     return (struct span){now.elapsed - start.elapsed, now.processor - start.processor};
 }
 
+void rest(void)
+{
+    const struct timespec time = {0, 5000000};
+    nanosleep(&time, NULL);
+}
+
 static int compare_doubles(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;

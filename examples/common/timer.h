@@ -20,6 +20,9 @@ struct span {
 struct span span_start(void);
 struct span span_since(struct span start);
 
+/* Sleeps for 5 ms, in which threads of others that were told to end do so. */
+void rest(void);
+
 /* The value in the middle, or between the two there. Sorts `values`, of which there is at least one. */
 double median(double *values, size_t count);
 
