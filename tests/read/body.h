@@ -4,6 +4,6 @@
  */
 #include "read.h"
 #include "rays/fetch_block.h"
-#include "trace/make_rays.h"
+#include "trace/read_tile.h"
 
 const struct readers READERS = {fetch_block, check_block, read_packets};
