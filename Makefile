@@ -395,6 +395,7 @@ DEPTH_DATA := depth-small depth-limits
 PYTHON_DATA := python-arrays python-trimesh python-calls python-distributed
 ALL_DATA := $(SPEED_DATA) $(PAPER_DATA) $(ACCURACY_DATA) $(PRICE_DATA) $(DEPTH_DATA) $(PYTHON_DATA) costs sweep mutants
 
+measure-methods measure-stability measure-stages measure-errors measure-price measure-price-guess: $(GUESSING)
 measure-%:
 	@mkdir -p docs/data
 	@sh examples/common/measure.sh docs/data/$*.$(if $(filter reproduce-%,$*),md,csv) '$(DATA_$*)'
