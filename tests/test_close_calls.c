@@ -14,7 +14,7 @@
 #include "exact/nearest.h"
 #include "hostile_rays.h"
 #include "base/progress.h"
-#include "job/job.h"
+#include "job/stop.h"
 #include "hits/undecided.h"
 
 static uint32_t lanes_left; /* to the judge, since the last time that this was 0 */

@@ -3,7 +3,7 @@
  * Rays of one origin, or one direction, in packed arrays without limits, which are read in one go
  * (read_arrays.h): with a ray here and there that does not belong, of which the others of its block must not
  * notice anything. And what is kept of the
- * triangles that they hit (job.h), where places are taken and origins change.
+ * triangles that they hit (hit_terms.h), where places are taken and origins change.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -15,7 +15,7 @@
 #include "support.h"
 #include "read/read.h"
 #include "trace/ray_tile.h"
-#include "scene/tree.h"
+#include "scene/masks.h"
 
 enum { WIDTH = 23, HEIGHT = 21, COUNT = WIDTH * HEIGHT };
 

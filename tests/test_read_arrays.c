@@ -10,7 +10,7 @@
 #include "support.h"
 #include "read/read.h"
 #include "trace/ray_tile.h"
-#include "scene/tree.h"
+#include "scene/masks.h"
 
 /*
  * Where arrays are in a struct, in words; APART: they have one of their own, with a stride of so many more words; NONE.

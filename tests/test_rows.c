@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "rays/source.h"
+#include "rays/rows.h"
 #include "support.h"
 
 struct list {

@@ -59,7 +59,7 @@
 #include "base/structs.h"
 #include "exact/predicate.h"
 #include "job/structure.h"
-#include "scene/tree.h"
+#include "scene/masks.h"
 #include "scene/meshes.h"
 
 #define SECTION_ALIGNMENT 64

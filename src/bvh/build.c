@@ -17,7 +17,7 @@
  *   leaves has 2 b - 1 nodes, so each subtree has its own part of the array of nodes.
  *
  *   Depth. A split is made only if both sides can be halved to leaves in the levels that remain. A node of sixteen
- *   takes at least one binary level, so with MLRT_BVH_DEPTH_LIMIT binary levels it is never too deep.
+ *   takes at least one binary level, so MLRT_BVH_DEPTH_LIMIT binary levels are never too deep.
  *
  *   References. A set has spare places behind its references (spatial splits make more of these), and a split is not
  *   made if it needs more.

@@ -12,7 +12,7 @@
 
 #include "exact/nearest.h"
 #include "exact/ray_interval.h"
-#include "scene/tree.h"
+#include "scene/masks.h"
 
 /* A child that the ray can meet, from t = enter on. */
 struct pending {

@@ -4,6 +4,7 @@
  * component is rounded to float in the direction of the move; then predicate.h tells the exact side. While that is the
  * wrong side, the move is doubled. So the distance is about the spacing of floats there, and the side is exact.
  */
+#include "exact/offset.h"
 
 #include <math.h>
 

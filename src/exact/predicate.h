@@ -69,15 +69,4 @@ int mlrt_side_of_sum(const struct mlrt_triangle *triangle, const float from[3], 
 /* The sign of d . n for a direction d. Allows triangles without area: 0. */
 int mlrt_facing(const struct mlrt_triangle *triangle, const float direction[3]);
 
-/* ---- offset.c: points just off a triangle ---- */
-
-/*
- * Sets `point` to a point near (1 - u - v) a + u b + v c, strictly on the side of the normal (side = +1) or on the
- * other (-1). Unless `from` is NULL, `point` is relative to it: `from` + `point` is such a point, a sum that is not
- * rounded. Returns 0 if none is found in the range of float, if u or v is not finite, or if the triangle is not finite
- * or has no area.
- */
-int mlrt_find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int side, const float *from,
-                           float point[3]);
-
 #endif

@@ -12,7 +12,7 @@ struct mlrt_ray_segment {
     float direction[3];
     float t_min;   /* >= 0 */
     float t_max;   /* may be inf */
-    uint32_t mask; /* scene/tree.h */
+    uint32_t mask; /* scene/masks.h */
 };
 
 /* Rule R5: t, u, v of a hit, each the exact quotient rounded once to the nearest float (ties to even). */

@@ -7,7 +7,7 @@
 #define MLRT_HITS_BLOCKS_H
 
 #include "base/counters.h"
-#include "job/job.h"
+#include "hits/finish.h"
 #include "hits/shadow_ray.h"
 #include "hits/write_packet.h"
 #include "rays/fetch_block.h"

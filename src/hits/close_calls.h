@@ -42,7 +42,7 @@
 #include "hits/outcome.h"
 #include "job/write_arrays.h"
 #include "hits/undecided.h"
-#include "job/job.h"
+#include "job/stop.h"
 #include "simd/doubles.h"
 #include "simd/simd.h"
 

@@ -42,7 +42,7 @@
 
 #include "exact/quotients.h"
 #include "exact/vector.h"
-#include "job/job.h"
+#include "job/hit_terms.h"
 #include "hits/outcome.h"
 #include "job/write_arrays.h"
 #include "simd/doubles.h"
@@ -137,6 +137,7 @@ MLRT_INLINE const struct mlrt_hit_terms *find_shared_terms(const struct mlrt_tre
         (!packet->has.apex || memcmp(packet->apex, kept->origin, sizeof kept->origin) == 0))
         return kept;
     const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+    /* without an apex the terms of an origin are not used: any will do */
     mlrt_set_hit_terms(&triangle, packet->has.apex ? packet->apex : triangle.v[0], kept);
     cache->numbers[place] = number;
     return kept;

@@ -8,7 +8,7 @@
 #include <math.h>
 
 #include "exact/nearest.h"
-#include "exact/predicate.h"
+#include "exact/offset.h"
 #include "exact/quotients.h"
 #include "job/structure.h"
 #include "job/write_arrays.h"

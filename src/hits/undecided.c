@@ -5,7 +5,7 @@
 
 #include "exact/nearest.h"
 #include "job/write_arrays.h"
-#include "job/job.h"
+#include "job/stop.h"
 #include "simd/sixteen.h"
 
 /*

@@ -8,7 +8,7 @@
 
 #include "base/forms.h"
 #include "base/tuning.h"
-#include "exact/vector.h"
+#include "job/hit_terms.h"
 #include "job/write_arrays.h"
 #include "rays/source.h"
 
@@ -84,42 +84,7 @@ struct mlrt_known_triangles {
     struct mlrt_known_plane *planes; /* entry number & plane_mask */
 };
 
-/*
- * Terms of t, u and v that all rays share that hit one triangle, in double. A worker keeps some: that pays because the
- * next packets hit the same triangles if these are large. hits/hit_numbers.h has the formulas.
- */
-
-/* The judge computes the numbers of hits whose D is not more than its size over this: that bounds the error of t. */
-#define MLRT_GREATEST_D_SIZE 0x1p12
-
-/*
- * The terms of a triangle. A size is the sum of the magnitudes of a vector's components, or a product of such sums; a
- * width is a bound of the error of a quotient with D, times |D|.
- */
-struct mlrt_hit_terms {
-    /* For all rays. */
-    struct mlrt_vector corner;
-    struct mlrt_vector side[2]; /* c-a and a-b */
-    double side_size[2];
-    struct mlrt_vector normal;
-    double normal_size;
-    /* For rays from one origin: N, and the vectors whose dot products with d are e_ca and e_ab. */
-    float origin[3];
-    double n;
-    double n_width;
-    struct mlrt_vector edge[2];
-    double edge_width[2]; /* to be multiplied with the size of d */
-};
-
-#define MLRT_HIT_TERMS_COUNT 16
-
-/* The terms of triangle `number` are in entry number % MLRT_HIT_TERMS_COUNT. */
-struct mlrt_hit_term_cache {
-    uint32_t numbers[MLRT_HIT_TERMS_COUNT]; /* of triangles; MLRT_NONE = empty entry */
-    struct mlrt_hit_terms entries[MLRT_HIT_TERMS_COUNT];
-};
-
-/* How a worker looks up in the middle of an item (mlrt_is_stopped). */
+/* How a worker looks up in the middle of an item (stop.h). */
 struct mlrt_watch {
     struct mlrt_progress *progress;  /* NULL = the host has no progress function */
     mlrt_fp_environment environment; /* that of the caller */
@@ -189,47 +154,5 @@ struct mlrt_kernels {
  */
 extern const struct mlrt_kernels mlrt_kernels_kdtree_counting, mlrt_kernels_kdtree_sse, mlrt_kernels_kdtree_avx2;
 extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_sse, mlrt_kernels_avx2, mlrt_kernels_avx512;
-
-/* ---- job.c: what the kernels call that is compiled once ---- */
-
-/* Sets the terms of a triangle, and of an origin. */
-void mlrt_set_hit_terms(const struct mlrt_triangle *triangle, const float origin[3], struct mlrt_hit_terms *terms);
-
-/* Progress is reported to the host in the middle of an item, and the host is asked whether it has ended the call. */
-
-/*
- * Adds pixels that are done, and calls the host if it was not called for a millisecond (base/progress.h). Returns 1 if
- * the call is to end: from then on the worker's results are not used, and it may return with any. To be called in the
- * floating-point environment of the library.
- */
-int mlrt_is_stopped(struct mlrt_worker *worker, double pixels);
-
-/* Steps that take up to some microseconds ask the host in one of so many calls only. */
-#define MLRT_SLOW_STEPS 64
-
-/* As mlrt_is_stopped, for such a step, with no pixels done. */
-static inline int mlrt_is_stopped_in_step(struct mlrt_worker *worker)
-{
-    if (!worker->watch.progress) return 0;
-    if (++worker->watch.slow_steps % MLRT_SLOW_STEPS == 0) return mlrt_is_stopped(worker, 0);
-    return worker->watch.stopped;
-}
-
-/* Rays that are traced one by one in double, and results without rays, which are written to frame and callback. */
-
-/* Traces lanes of a packet one by one in double, and stores the triangles that they hit. `counters` may be NULL. */
-void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
-                            mlrt_counters *counters);
-
-/* Writes misses to a rectangle of a picture. */
-void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *worker,
-                               const struct mlrt_rectangle *tile);
-
-/* Writes one value of `occluded` to a rectangle of a picture. */
-void mlrt_write_picture_shadow(const struct mlrt_worker *worker, uint8_t shadow, const struct mlrt_rectangle *tile);
-
-/* Writes the lights that do not reach the hits of a packet's lanes. */
-void mlrt_write_packet_shadows(const struct mlrt_worker *worker, const uint8_t shadows[MLRT_PACKET_RAYS],
-                               uint32_t lanes, const struct mlrt_rectangle *block);
 
 #endif

@@ -11,7 +11,7 @@
 
 #include "rays/lone_ray.h"
 #include "simd/quad.h"
-#include "scene/tree.h"
+#include "scene/masks.h"
 
 size_t mlrt_channel_size(enum mlrt_channel channel)
 {

@@ -25,6 +25,7 @@
 #include "mlrta/packet_filter.h"
 #include "mlrta/ray_group.h"
 #include "mlrta/setups.h"
+#include "mlrta/triangle_setup.h"
 #include "rays/extremes.h"
 
 struct distance_interval {

@@ -18,7 +18,7 @@
 #include "mlrta/entry_point.h"
 #include "mlrta/interval_traversal.h"
 #include "mlrta/masked_traversal.h"
-#include "mlrta/packet_filter.h"
+#include "mlrta/triangle_setup.h"
 
 MLRT_INLINE void trace_active(const struct mlrt_job *job, const struct entry_list *list, struct mlrt_packet *packet,
                               struct mlrt_worker *worker)

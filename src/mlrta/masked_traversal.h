@@ -16,6 +16,7 @@
 #include "mlrta/packet_filter.h"
 #include "mlrta/ray_group.h"
 #include "mlrta/setups.h"
+#include "mlrta/triangle_setup.h"
 #include "rays/extremes.h"
 #include "simd/simd.h"
 

@@ -12,6 +12,7 @@
 #include "base/platform.h"
 #include "exact/nearest.h"
 #include "exact/ray_interval.h"
+#include "scene/masks.h"
 #include "scene/tree.h"
 
 /* Sets *part to the interval of the ray in the closed box, or a little more. Returns 0 if it surely is empty. */

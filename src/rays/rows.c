@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Finds rows of pixels in a list of rays whose caller did not say how long they are. Tiles that are squares of pixels are
- * faster than pieces of rows.
+ * Rows of pixels in a list of rays: see rows.h.
  *
  * Steps between the pixels of a row are small; the step from its end to the start of the next row is a jump. So the
  * first jump gives a guess of the row length. Rows from all over the list must confirm it.
  */
-#include "rays/source.h"
+#include "rays/rows.h"
 
 #include <math.h>
 

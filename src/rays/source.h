@@ -189,13 +189,4 @@ uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32
  */
 void mlrt_begin_source_rows(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_rows_ahead *rows);
 
-/* ---- rows.c ---- */
-
-/*
- * Returns the number of rays in a row, or 0 if the rays do not look like rows of pixels. A wrong answer costs speed
- * only. Reads at most a quarter of the directions (if these are equal, of the origins), and only a few if neighbours
- * have nothing in common. Sets the floating-point environment and restores it.
- */
-uint32_t mlrt_find_row_length(const struct mlrt_source *rays);
-
 #endif

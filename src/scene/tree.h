@@ -111,18 +111,4 @@ static inline int mlrt_keep_triangle(const struct mlrt_triangle *triangle, uint6
 /* 1 if the triangle is left out: no leaf may hold it. tree->info must have the counts of triangles left out. */
 int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number);
 
-/* ---- masks: a ray sees a triangle if their masks have a bit in common ---- */
-
-/* 1 if a ray with this mask passes through the triangle as if it were not there. */
-static inline int mlrt_is_hidden(const struct mlrt_tree *tree, uint32_t number, uint32_t mask)
-{
-    return tree->masks && !(tree->masks[number] & mask);
-}
-
-/* Those places of a list of triangle numbers, among the bits of `among`, whose triangles a ray with this mask sees. */
-uint32_t mlrt_visible_places(const struct mlrt_tree *tree, const uint32_t *numbers, uint32_t among, uint32_t mask);
-
-/* Those lanes, among the bits of `lanes`, whose rays see the triangle. masks[i] is the mask of lane i. */
-uint32_t mlrt_seeing_lanes(const struct mlrt_tree *tree, uint32_t number, const uint32_t *masks, uint32_t lanes);
-
 #endif

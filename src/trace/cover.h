@@ -44,7 +44,7 @@
 
 #include "hits/close_calls.h"
 #include "hits/triangle_filter.h"
-#include "job/job.h"
+#include "job/stop.h"
 #include "rays/extremes.h"
 #include "rays/slope_limits.h"
 #include "simd/simd.h"

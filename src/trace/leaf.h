@@ -52,7 +52,7 @@
 #include <string.h>
 
 #include "hits/triangle_filter.h"
-#include "scene/tree.h"
+#include "scene/masks.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
 #include "trace/leaf_in_double.h"

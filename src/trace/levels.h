@@ -11,7 +11,7 @@
 #define MLRT_TRACE_LEVELS_H
 
 #include "hits/blocks.h"
-#include "job/job.h"
+#include "job/stop.h"
 #include "job/write_arrays.h"
 #include "simd/sixteen.h"
 #include "trace/array_cells.h"

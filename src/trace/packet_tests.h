@@ -11,7 +11,7 @@
 #include "base/counters.h"
 #include "hits/triangle_filter.h"
 #include "rays/slope_limits.h"
-#include "scene/tree.h"
+#include "scene/masks.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
 #include "trace/cuts.h"

@@ -10,7 +10,7 @@
 #include "hits/close_calls.h"
 #include "hits/triangle_filter.h"
 #include "hits/undecided.h"
-#include "job/job.h"
+#include "job/stop.h"
 #include "rays/slope_limits.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"

@@ -61,7 +61,7 @@
 #include "hits/triangle_filter.h"
 #include "hits/undecided.h"
 #include "rays/extremes.h"
-#include "scene/tree.h"
+#include "scene/masks.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
 #include "trace/units.h"
