@@ -119,6 +119,12 @@ struct variant {
 };
 
 size_t variant_count(void);
+/*
+ * A check that is called often begins at first_variant() and goes on by variant_step(): it takes all variants, or in a
+ * build with sanitizers a third of them, in turn.
+ */
+size_t first_variant(void);
+size_t variant_step(void);
 const struct variant *variant_at(size_t index);
 const mlrt_tree *variant_tree(const struct variant *variant, const struct fixture *fixture);
 /* The one that a method goes through, MLRT_METHOD_*; boxes if it can go through both. */

@@ -154,7 +154,7 @@ static void same_as_alone(void **state)
     (void)state;
     static struct question question;
     uint64_t alone[KIND_COUNT] = {0};
-    for (uint64_t seed = 0; seed < 12; seed++) {
+    for (uint64_t seed = 0; seed < 3 + scaled(9); seed++) {
         struct random random = {4100 + seed};
         struct fixture fixture = make_fine_scene(seed);
         for (int round = 0; round < 4 * KIND_COUNT; round++) {
@@ -207,7 +207,7 @@ static void tedious_packets(void **state)
 static void pictures(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < 6; seed++) {
+    for (uint64_t seed = 0; seed < 1 + scaled(5); seed++) {
         struct random random = {4300 + seed};
         struct fixture fixture = make_fine_scene(seed);
         for (int i = 0; i < 6; i++) {

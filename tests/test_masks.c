@@ -143,7 +143,7 @@ static void one_mask_for_all_rays(void **state)
     struct reference_hit *expected = allocate_or_fail(list.count, sizeof *expected);
     for (size_t m = 0; m < MASK_COUNT; m++) {
         trace_reference(&scene->visible[m], &list, expected);
-        for (size_t v = 0; v < variant_count(); v++) {
+        for (size_t v = first_variant(); v < variant_count(); v += variant_step()) {
             const mlrt_trace_options options = options_of(variant_at(v), ray_masks[m]);
             compare(scene, variant_at(v), &list, &options, NULL, expected);
         }
@@ -167,7 +167,7 @@ static void masks_of_their_own(void **state)
             masks[i] = ray_masks[m];
             expected[i] = all[m * list.count + i];
         }
-        for (size_t v = 0; v < variant_count(); v++) {
+        for (size_t v = first_variant(); v < variant_count(); v += variant_step()) {
             const mlrt_trace_options options = options_of(variant_at(v), 2);
             compare(scene, variant_at(v), &list, &options, masks, expected);
         }
@@ -215,7 +215,7 @@ static void single_rays(void **state)
     struct reference_hit *expected = allocate_or_fail(list.count, sizeof *expected);
     for (size_t m = 0; m < MASK_COUNT; m++) {
         trace_reference(&scene->visible[m], &list, expected);
-        for (size_t v = 0; v < variant_count(); v++) {
+        for (size_t v = first_variant(); v < variant_count(); v += variant_step()) {
             const mlrt_trace_options options = options_of(variant_at(v), ray_masks[m]);
             for (size_t i = 0; i < list.count; i += 5) {
                 const struct reference_hit got =
@@ -235,7 +235,7 @@ static void check_picture(const struct scene *scene, const mlrt_camera *camera, 
     struct reference_hit *expected = allocate_or_fail(list.count, sizeof *expected);
     struct reference_hit *got = allocate_or_fail(list.count, sizeof *got);
     trace_reference(&scene->visible[m], &list, expected);
-    for (size_t v = 0; v < variant_count(); v++) {
+    for (size_t v = first_variant(); v < variant_count(); v += variant_step()) {
         const mlrt_trace_options options = options_of(variant_at(v), ray_masks[m]);
         const mlrt_hits frame = public_hits(got, PICTURE_SIZE);
         const mlrt_tree *tree = variant_tree(variant_at(v), &scene->masked);
@@ -274,7 +274,7 @@ static void shadows(void **state)
             uint8_t expected[256], got[256];
             const mlrt_array wanted = {expected, 0, 0}, out = {got, 0, 0};
             assert_int_equal(mlrt_occluded_points(scene->visible[m].tree, &points, &light, NULL, &wanted), MLRT_OK);
-            for (size_t v = 0; v < variant_count(); v++) {
+            for (size_t v = first_variant(); v < variant_count(); v += variant_step()) {
                 const mlrt_trace_options options = options_of(variant_at(v), ray_masks[m]);
                 const mlrt_tree *tree = variant_tree(variant_at(v), &scene->masked);
                 assert_int_equal(mlrt_occluded_points(tree, &points, &light, &options, &out), MLRT_OK);

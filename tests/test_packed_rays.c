@@ -60,7 +60,8 @@ static void check_hits(const struct fixture *fixture, const struct ray_list *lis
                       .origins = {packed.origins, 0},
                       .directions = {packed.directions, 0}};
     if (has_skips) rays.skip.data = packed.skip;
-    for (size_t v = 0; v < variant_count() * (sizeof ROW_LENGTHS / sizeof ROW_LENGTHS[0]); v++) {
+    for (size_t v = first_variant(); v < variant_count() * (sizeof ROW_LENGTHS / sizeof ROW_LENGTHS[0]);
+         v += variant_step()) {
         const struct variant *variant = variant_at(v % variant_count());
         const mlrt_tree *tree = variant_tree(variant, fixture);
         mlrt_trace_options options = variant->options;
