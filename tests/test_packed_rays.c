@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays of one origin, or one direction, in packed arrays without limits, which are read in one go
- * (read_arrays.h): with a ray here and there that does not belong, of which the others of its block must not
- * notice anything. And what is kept of the
- * triangles that they hit (hit_terms.h), where places are taken and origins change.
+ * Rays of one origin, or one direction, in packed arrays without limits, which are read in one go (read_arrays.h): with
+ * a ray here and there that does not belong, of which the others of its block must not notice anything. And what is
+ * kept of the triangles that they hit (hit_terms.h), where places are taken and origins change.
  */
 #include <math.h>
 #include <stdlib.h>
