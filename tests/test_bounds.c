@@ -923,7 +923,7 @@ static double attack_beam_slope(const float *input)
 }
 
 /* Inputs: d00, dx, dy over two axes, sample_x, sample_y, and where the tile is. */
-static void load_view(const float *input, struct mlrt_view *view, uint32_t *x, uint32_t *y)
+static void load_view(const float *input, mlrt_camera *view, uint32_t *x, uint32_t *y)
 {
     memset(view, 0, sizeof *view);
     for (int k = 0; k < 2; ++k) {
@@ -940,7 +940,7 @@ static void load_view(const float *input, struct mlrt_view *view, uint32_t *x, u
 
 static double attack_camera_pad(const float *input)
 {
-    struct mlrt_view view;
+    mlrt_camera view;
     struct corners corners;
     uint32_t x, y;
     float p[3];
@@ -964,7 +964,7 @@ static double attack_camera_pad(const float *input)
 /* The slope of a ray in its beam, less the part of the beam that is there for other roundings. */
 static double attack_camera_slope(const float *input)
 {
-    struct mlrt_view view;
+    mlrt_camera view;
     struct mlrt_beam beam;
     uint32_t x, y;
     float p[3];
@@ -990,7 +990,7 @@ static double attack_camera_cell(const float *input)
     static const struct mlrt_tree tree = {.bvh.unit = 1};
     static struct mlrt_job job = {.tree = &tree}; /* all 0 but for the view */
     static struct mlrt_bundle bundle;
-    struct mlrt_view view;
+    mlrt_camera view;
     uint32_t x, y;
     float p[3];
     load_view(input, &view, &x, &y);

@@ -35,7 +35,7 @@ struct subject {
     mlrt_mesh mesh;
     mlrt_tree *tree;
     mlrt_camera camera;
-    struct mlrt_view view;
+    mlrt_camera view;
 };
 
 static mlrt_tree *build_tree(const struct subject *subject, const mlrt_kdtree_options *options)

@@ -397,17 +397,18 @@ static float *vector_at(const mlrt_array *array, uint32_t width, uint32_t i, uin
 static MLRT_NOINLINE int32_t write_camera_rays(const mlrt_camera *camera, const mlrt_array *origins,
                                                const mlrt_array *directions)
 {
-    struct mlrt_view view;
+    mlrt_camera view;
     const int32_t status = mlrt_make_view(camera, &view);
     if (status != MLRT_OK) return status;
-    for (uint32_t j = 0; j < view.crop.height; ++j) {
-        for (uint32_t i = 0; i < view.crop.width; ++i) {
+    for (uint32_t j = 0; j < view.crop_height; ++j) {
+        for (uint32_t i = 0; i < view.crop_width; ++i) {
             float p[3];
             mlrt_view_point(&view, i, j, p);
             if (origins->data)
-                memcpy(vector_at(origins, view.crop.width, i, j), view.parallel ? p : view.eye, sizeof p);
+                memcpy(vector_at(origins, view.crop_width, i, j), mlrt_is_parallel(&view) ? p : view.eye, sizeof p);
             if (directions->data)
-                memcpy(vector_at(directions, view.crop.width, i, j), view.parallel ? camera->direction : p, sizeof p);
+                memcpy(vector_at(directions, view.crop_width, i, j), mlrt_is_parallel(&view) ? camera->direction : p,
+                       sizeof p);
         }
     }
     return MLRT_OK;

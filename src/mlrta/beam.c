@@ -59,13 +59,13 @@ struct corners {
     double pad[3];
 };
 
-static void find_corners(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+static void find_corners(const mlrt_camera *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                          struct corners *corners)
 {
-    const double xs[2] = {mlrt_sample_position(view->crop.x, x, view->sample_x),
-                          mlrt_sample_position(view->crop.x, x + width - 1, view->sample_x)};
-    const double ys[2] = {mlrt_sample_position(view->crop.y, y, view->sample_y),
-                          mlrt_sample_position(view->crop.y, y + height - 1, view->sample_y)};
+    const double xs[2] = {mlrt_sample_position(view->crop_x, x, view->sample_x),
+                          mlrt_sample_position(view->crop_x, x + width - 1, view->sample_x)};
+    const double ys[2] = {mlrt_sample_position(view->crop_y, y, view->sample_y),
+                          mlrt_sample_position(view->crop_y, y + height - 1, view->sample_y)};
     const double x_max = fmax(fabs(xs[0]), fabs(xs[1])), y_max = fmax(fabs(ys[0]), fabs(ys[1]));
     for (int k = 0; k < 3; ++k) {
         const double d00 = view->d00[k], dx = view->dx[k], dy = view->dy[k];
@@ -93,7 +93,7 @@ static struct range component_range(const struct corners *corners, int k)
 }
 
 /* 1 if component k is exactly 0 for every pixel, so that it needs no pad. */
-static int is_zero_component(const struct mlrt_view *view, int k)
+static int is_zero_component(const mlrt_camera *view, int k)
 {
     return view->d00[k] == 0 && view->dx[k] == 0 && view->dy[k] == 0;
 }
@@ -111,7 +111,7 @@ static void set_region(struct mlrt_beam *beam, int k, double direction_lo, doubl
     beam->region.hi[k] = mlrt_float_up(hi + fabs(hi) * 0x1p-50);
 }
 
-static int make_pinhole_beam(const struct mlrt_view *view, const struct corners *corners, struct mlrt_beam *beam)
+static int make_pinhole_beam(const mlrt_camera *view, const struct corners *corners, struct mlrt_beam *beam)
 {
     double reciprocal[3][4], nearest[3], largest = -1;
     for (int k = 0; k < 3; ++k) {
@@ -152,7 +152,7 @@ static int make_pinhole_beam(const struct mlrt_view *view, const struct corners 
     return 1;
 }
 
-static int make_parallel_beam(const struct mlrt_view *view, const struct corners *corners, struct mlrt_beam *beam)
+static int make_parallel_beam(const mlrt_camera *view, const struct corners *corners, struct mlrt_beam *beam)
 {
     for (int k = 0; k < 3; ++k) {
         const float d = view->direction[k];
@@ -168,14 +168,14 @@ static int make_parallel_beam(const struct mlrt_view *view, const struct corners
     return 1;
 }
 
-int mlrt_make_view_beam(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+int mlrt_make_view_beam(const mlrt_camera *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                         struct mlrt_beam *beam)
 {
     struct corners corners;
     find_corners(view, x, y, width, height, &corners);
     beam->may_cover = view->t_min == 0;
     beam->is_unlimited = isinf(view->t_max);
-    return view->parallel ? make_parallel_beam(view, &corners, beam) : make_pinhole_beam(view, &corners, beam);
+    return mlrt_is_parallel(view) ? make_parallel_beam(view, &corners, beam) : make_pinhole_beam(view, &corners, beam);
 }
 
 /* ---- arrays -------------------------------------------------------------------------------------------------- */

@@ -17,6 +17,7 @@
 #define MLRT_MLRTA_BEAM_H
 
 #include "exact/triangle.h"
+#include "mlrt.h"
 
 struct mlrt_beam {
     float origin_lo[3];
@@ -35,7 +36,6 @@ struct mlrt_beam {
 #define MLRT_SLOPE_SLACK 0x1p-20
 
 struct mlrt_source;
-struct mlrt_view;
 
 /*
  * Makes the beam of a tile of a source. Returns 0 if it has none: the directions of its rays differ in sign, a ray is
@@ -51,7 +51,7 @@ void mlrt_set_slope(struct mlrt_beam *beam, int a, int j, double lo, double hi);
  * Makes the beam of a tile of a camera. Returns 0 if its rays differ in sign, or may not be float-safe
  * (exact/triangle.h).
  */
-int mlrt_make_view_beam(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+int mlrt_make_view_beam(const mlrt_camera *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                         struct mlrt_beam *beam);
 
 #endif

@@ -44,9 +44,9 @@ static int32_t resolve_length(const char *axis, const char *length, uint32_t who
                      (unsigned long)count, axis, (unsigned long)first, length, (unsigned long)whole);
 }
 
-static int32_t check_numbers(const mlrt_camera *camera, int is_parallel)
+static int32_t check_numbers(const mlrt_camera *camera)
 {
-    const int form = is_parallel ? MLRT_FORM_PARALLEL : MLRT_FORM_PINHOLE;
+    const int is_parallel = mlrt_is_parallel(camera), form = is_parallel ? MLRT_FORM_PARALLEL : MLRT_FORM_PINHOLE;
     const int32_t status = mlrt_check_fields(form, "camera", 0, camera);
     if (status != MLRT_OK) return status;
     if (is_parallel && is_zero_vector(camera->direction))
@@ -55,33 +55,20 @@ static int32_t check_numbers(const mlrt_camera *camera, int is_parallel)
     return mlrt_fail(MLRT_ERROR_CAMERA, "camera.dx: it is parallel to dy, or one of them is 0");
 }
 
-int32_t mlrt_make_view(const mlrt_camera *camera, struct mlrt_view *view)
+int32_t mlrt_make_view(const mlrt_camera *camera, mlrt_camera *view)
 {
-    view->parallel = camera->projection == MLRT_PROJECTION_PARALLEL;
-    int32_t status = resolve_length("x", "width", camera->width, camera->crop_x, camera->crop_width, &view->crop.width);
+    *view = *camera;
+    int32_t status = resolve_length("x", "width", camera->width, camera->crop_x, camera->crop_width, &view->crop_width);
     if (status == MLRT_OK)
-        status = resolve_length("y", "height", camera->height, camera->crop_y, camera->crop_height, &view->crop.height);
-    if (status == MLRT_OK && (uint64_t)view->crop.width * view->crop.height > INT32_MAX) {
+        status = resolve_length("y", "height", camera->height, camera->crop_y, camera->crop_height, &view->crop_height);
+    if (status == MLRT_OK && (uint64_t)view->crop_width * view->crop_height > INT32_MAX) {
         status =
             mlrt_fail(MLRT_ERROR_TOO_LARGE, "camera.crop_width: %lu x crop_height %lu are more pixels than 2147483647",
-                      (unsigned long)view->crop.width, (unsigned long)view->crop.height);
+                      (unsigned long)view->crop_width, (unsigned long)view->crop_height);
     }
-    if (status == MLRT_OK) status = check_numbers(camera, view->parallel);
+    if (status == MLRT_OK) status = check_numbers(camera);
     if (status != MLRT_OK) return status;
-
-    view->crop.x = camera->crop_x;
-    view->crop.y = camera->crop_y;
-    view->eye_is_safe = 1;
-    for (int k = 0; k < 3; ++k) {
-        view->eye[k] = camera->eye[k];
-        view->eye_is_safe &= mlrt_is_float_safe(view->eye[k]);
-        view->direction[k] = camera->direction[k] + 0.0f; /* -0 becomes 0 */
-        view->d00[k] = camera->d00[k];
-        view->dx[k] = camera->dx[k];
-        view->dy[k] = camera->dy[k];
-    }
-    view->sample_x = camera->sample_x;
-    view->sample_y = camera->sample_y;
+    for (int k = 0; k < 3; ++k) view->direction[k] = camera->direction[k] + 0.0f; /* -0 becomes 0 */
     view->t_min = camera->t_min < 0 ? 0 : camera->t_min;
     /* 0 stands for no limit. A t_max below 0 allows no hit and becomes 0: -inf would pass for no limit. */
     view->t_max = camera->t_max == 0 ? INFINITY : camera->t_max < 0 ? 0 : camera->t_max;

@@ -13,13 +13,14 @@
  * The rays of a camera's block, by the formula of camera.h with the same bits. Those of a pinhole camera are checked,
  * those of a parallel one are not.
  */
-static void get_camera_packet(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t lanes,
+static void get_camera_packet(const mlrt_camera *view, uint32_t x, uint32_t y, uint32_t lanes,
                               struct mlrt_packet *packet)
 {
-    float(*points)[MLRT_PACKET_RAYS] = view->parallel ? packet->origin : packet->direction;
-    const vf x0 = v_set1((float)(view->crop.x + x)), y0 = v_set1((float)(view->crop.y + y));
+    const int is_parallel = mlrt_is_parallel(view);
+    float(*points)[MLRT_PACKET_RAYS] = is_parallel ? packet->origin : packet->direction;
+    const vf x0 = v_set1((float)(view->crop_x + x)), y0 = v_set1((float)(view->crop_y + y));
     memcpy(packet->apex, view->eye, sizeof packet->apex);
-    packet->has.apex = !view->parallel;
+    packet->has.apex = !is_parallel;
     packet->has.skip = packet->has.masks = 0;
     packet->has.limits = view->t_min > 0;
     struct checked_lanes checked;
@@ -30,15 +31,15 @@ static void get_camera_packet(const struct mlrt_view *view, uint32_t x, uint32_t
         for (int k = 0; k < 3; ++k) {
             const vf row = v_add(v_set1(view->d00[k]), v_mul(xs, v_set1(view->dx[k])));
             const vf p = v_add(row, v_mul(ys, v_set1(view->dy[k])));
-            if (view->parallel) v_store(packet->direction[k] + v, v_set1(view->direction[k]));
+            if (is_parallel) v_store(packet->direction[k] + v, v_set1(view->direction[k]));
             v_store(points[k] + v, v_add(p, v_set1(0))); /* -0 becomes 0 */
         }
         take_limits(v_set1(view->t_min), v_set1(view->t_max), v, packet);
     }
-    if (view->parallel) return;
+    if (is_parallel) return;
     check_lanes(packet->direction, &checked);
     const uint32_t valid = view->t_min < view->t_max ? lanes & checked.finite & checked.nonzero : 0;
-    packet->active = view->eye_is_safe ? valid & checked.safe : 0;
+    packet->active = mlrt_are_float_safe(view->eye) ? valid & checked.safe : 0;
     packet->single = valid & ~packet->active;
 }
 

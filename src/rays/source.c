@@ -70,8 +70,8 @@ int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *sou
     source->arrays.stream_count = 0;
     int32_t status = mlrt_make_view(camera, &source->view);
     if (status != MLRT_OK) return status;
-    source->width = source->view.crop.width;
-    source->height = source->view.crop.height;
+    source->width = source->view.crop_width;
+    source->height = source->view.crop_height;
     source->count = source->width * source->height;
     return MLRT_OK;
 }
@@ -165,12 +165,12 @@ int mlrt_are_alike(const struct mlrt_source *source)
 
 static int get_camera_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray)
 {
-    const struct mlrt_view *view = &source->view;
+    const mlrt_camera *view = &source->view;
     float p[3];
     mlrt_view_point(view, x, y, p);
     ray->mask = source->common_mask;
-    return view->parallel ? mlrt_make_segment(p, view->direction, view->t_min, view->t_max, ray)
-                          : mlrt_make_segment(view->eye, p, view->t_min, view->t_max, ray);
+    return mlrt_is_parallel(view) ? mlrt_make_segment(p, view->direction, view->t_min, view->t_max, ray)
+                                  : mlrt_make_segment(view->eye, p, view->t_min, view->t_max, ray);
 }
 
 int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray, uint32_t *skip)

@@ -42,8 +42,8 @@ struct mlrt_source {
     enum mlrt_source_kind kind;
     uint32_t width;
     uint32_t height;
-    uint32_t count;        /* number of rays; the last row may be short */
-    struct mlrt_view view; /* camera */
+    uint32_t count;   /* number of rays; the last row may be short */
+    mlrt_camera view; /* camera (camera.h) */
     float light[3];
     struct mlrt_ray_arrays arrays;
     const struct mlrt_tree *tree; /* `skip` has ids of its meshes */
@@ -161,7 +161,7 @@ static inline int mlrt_is_safe_ray(const struct mlrt_ray_segment *ray)
 
 static inline int mlrt_is_pinhole(const struct mlrt_source *source)
 {
-    return source->kind == MLRT_SOURCE_CAMERA && !source->view.parallel;
+    return source->kind == MLRT_SOURCE_CAMERA && !mlrt_is_parallel(&source->view);
 }
 
 /*

@@ -31,8 +31,8 @@ static void describe_tile(const struct mlrt_job *job, const struct mlrt_worker *
     const struct mlrt_sink *sink = &worker->sinks.tile;
     *tile = (mlrt_tile){sizeof *tile,
                         number,
-                        job->source.view.crop.x + sink->x,
-                        job->source.view.crop.y + sink->y,
+                        job->source.view.crop_x + sink->x,
+                        job->source.view.crop_y + sink->y,
                         width,
                         height,
                         (const float *)(const void *)sink->channel[MLRT_CHANNEL_T].data,

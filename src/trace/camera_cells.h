@@ -21,7 +21,7 @@ struct corner_slopes {
 };
 
 /* Extends `of` by the corners at these columns and rows, one of each cell. */
-static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct mlrt_waist *waist, const float *columns,
+static MLRT_NOINLINE void add_corner(const mlrt_camera *view, const struct mlrt_waist *waist, const float *columns,
                                      const float *rows, struct corner_slopes *of)
 {
     const int a = waist->main_axis;

@@ -44,7 +44,7 @@ static void set_cell_samples(uint32_t first, uint32_t begin, uint32_t side, uint
  * Copies a view with its directions brought near 1 by a power of two, which leaves slopes as they are. *floor receives
  * a bound of the underflow of its rays before that, and *limit the greatest size with which they are finite.
  */
-static void scale_view(const struct mlrt_view *view, struct mlrt_view *scaled, float *floor, float *limit)
+static void scale_view(const mlrt_camera *view, mlrt_camera *scaled, float *floor, float *limit)
 {
     float largest = 0;
     int exponent;
@@ -60,12 +60,12 @@ static void scale_view(const struct mlrt_view *view, struct mlrt_view *scaled, f
     *limit = exponent < 66 ? MLRT_SAFE_MAX : (float)ldexp(1, 126 - exponent);
 }
 
-int mlrt_sample_camera_cells(const struct mlrt_view *given, float unit, const struct mlrt_rectangle *area,
-                             uint32_t side, struct mlrt_waist *waist, struct mlrt_camera_samples *of)
+int mlrt_sample_camera_cells(const mlrt_camera *given, float unit, const struct mlrt_rectangle *area, uint32_t side,
+                             struct mlrt_waist *waist, struct mlrt_camera_samples *of)
 {
     float floor = 0x1p-100f, limit = MLRT_SAFE_MAX;
-    const struct mlrt_view *view = &of->view;
-    if (given->parallel || given->t_min != 0 || !isinf(given->t_max)) return 0;
+    const mlrt_camera *view = &of->view;
+    if (mlrt_is_parallel(given) || given->t_min != 0 || !isinf(given->t_max)) return 0;
     if (MLRT_UNLIKELY(unit != 1)) {
         scale_view(given, &of->view, &floor, &limit);
     } else {
@@ -73,10 +73,10 @@ int mlrt_sample_camera_cells(const struct mlrt_view *given, float unit, const st
     }
     const uint32_t x = area->x, y = area->y, width = area->width, height = area->height;
     float columns[2][4], rows[2][4], middle[3];
-    set_cell_samples(view->crop.x, x, side, width, view->sample_x, columns);
-    set_cell_samples(view->crop.y, y, side, height, view->sample_y, rows);
-    const float x_max = larger_size(columns[0][0], mlrt_sample_position(view->crop.x, x + width - 1, view->sample_x));
-    const float y_max = larger_size(rows[0][0], mlrt_sample_position(view->crop.y, y + height - 1, view->sample_y));
+    set_cell_samples(view->crop_x, x, side, width, view->sample_x, columns);
+    set_cell_samples(view->crop_y, y, side, height, view->sample_y, rows);
+    const float x_max = larger_size(columns[0][0], mlrt_sample_position(view->crop_x, x + width - 1, view->sample_x));
+    const float y_max = larger_size(rows[0][0], mlrt_sample_position(view->crop_y, y + height - 1, view->sample_y));
     for (int k = 0; k < 3; ++k) {
         const float whole = fabsf(view->d00[k]) + x_max * fabsf(view->dx[k]) + y_max * fabsf(view->dy[k]);
         if (!(whole <= limit)) return 0;
