@@ -15,26 +15,23 @@ static int32_t fail_argument(const char *field, const char *rule)
 int32_t mlrt_take_options(const mlrt_trace_options *given, struct mlrt_call *call)
 {
     static const mlrt_trace_options none = {.struct_size = sizeof none};
-    int32_t status = MLRT_OK;
     memset(&call->run, 0, sizeof call->run);
     call->options = &none;
     call->is_plain = 1;
     if (!given) return MLRT_OK;
-    if (MLRT_LIKELY(given->struct_size == sizeof *given && mlrt_are_plain(given) &&
-                    (uint32_t)given->isa <= MLRT_ISA_AVX512)) {
+    if (MLRT_LIKELY(mlrt_are_plain(given) && (uint32_t)given->isa <= MLRT_ISA_AVX512)) {
         call->options = given;
         call->run.pool = given->pool;
         return MLRT_OK;
     }
     call->is_plain = 0;
-    const mlrt_trace_options *options =
-        mlrt_see_struct(MLRT_STRUCT_TRACE_OPTIONS, "options", given, &call->own, &status);
-    if (!options) return status;
-    const mlrt_counters *counters = options->counters;
-    call->options = options;
-    call->run.pool = options->pool;
-    call->run.counters = options->counters;
-    status = mlrt_take_host("options.host", options->host, &call->run.host);
+    int32_t status = mlrt_take_struct(MLRT_STRUCT_TRACE_OPTIONS, "options", 0, given, &call->own);
+    if (status != MLRT_OK) return status;
+    const mlrt_counters *counters = call->own.counters;
+    call->options = &call->own;
+    call->run.pool = call->own.pool;
+    call->run.counters = call->own.counters;
+    status = mlrt_take_host("options.host", call->own.host, &call->run.host);
     if (status != MLRT_OK || !counters) return status;
     status = mlrt_check_result_size(MLRT_STRUCT_COUNTERS, "options.counters", counters);
     return status == MLRT_OK ? mlrt_check_fields(MLRT_STRUCT_COUNTERS, "options.counters", 0, counters) : status;
@@ -47,24 +44,17 @@ int32_t mlrt_end_traced(const struct mlrt_call *call, int32_t status)
     return mlrt_end_call(&voice, status);
 }
 
-int32_t mlrt_check_options(const mlrt_trace_options *options)
+int32_t mlrt_check_options(const mlrt_trace_options *options, int is_picture)
 {
     const uint32_t split = options->split_factor;
-    if (options->lights || options->light_count)
+    if (!is_picture && (options->lights || options->light_count))
         return fail_argument("options.lights", "only mlrt_render_tiles takes lights");
+    if (options->lights && options->query == MLRT_QUERY_ANY)
+        return fail_argument("options.lights", "given, but query ANY takes no lights");
+    if (!options->lights && options->light_count)
+        return fail_argument("options.lights", "NULL, but light_count is not 0");
     if (split == 0 || split == 4 || split == 16) return MLRT_OK;
     return mlrt_fail(MLRT_ERROR_ARGUMENT, "options.split_factor: %lu is not 0, 4 or 16", (unsigned long)split);
-}
-
-int32_t mlrt_take_lights(mlrt_trace_options *options, const mlrt_light **lights, uint32_t *count)
-{
-    *lights = options->lights;
-    *count = options->light_count;
-    options->lights = NULL;
-    options->light_count = 0;
-    if (*lights && options->query == MLRT_QUERY_ANY)
-        return fail_argument("options.lights", "given, but query ANY takes no lights");
-    return *lights || !*count ? MLRT_OK : fail_argument("options.lights", "NULL, but light_count is not 0");
 }
 
 /*
@@ -96,29 +86,32 @@ static int32_t check_rays(const mlrt_rays *rays)
                      (unsigned long)rays->rays_per_origin, mlrt_write_digits(rays->count, digits));
 }
 
-const mlrt_rays *mlrt_take_rays(const mlrt_rays *given, mlrt_rays *own, int32_t *status)
+int32_t mlrt_take_rays(const mlrt_rays **rays, mlrt_rays *own)
 {
+    const mlrt_rays *given = *rays;
     const int is_right = given->struct_size == sizeof *given && !given->reserved && given->count <= INT32_MAX &&
                          are_right_arrays(&given->origins, sizeof given->origins, MLRT_STRIDE_ALL);
-    const mlrt_rays *rays =
-        MLRT_LIKELY(is_right) ? given : mlrt_see_struct(MLRT_STRUCT_RAYS, "rays", given, own, status);
-    if (rays) *status = check_rays(rays);
-    return *status == MLRT_OK ? rays : NULL;
+    if (MLRT_LIKELY(is_right)) return check_rays(given);
+    const int32_t status = mlrt_take_struct(MLRT_STRUCT_RAYS, "rays", 0, given, own);
+    *rays = own;
+    return status == MLRT_OK ? check_rays(own) : status;
 }
 
-const mlrt_hits *mlrt_take_hits(const mlrt_hits *given, mlrt_hits *own, int32_t *status)
+int32_t mlrt_take_hits(const mlrt_hits **hits, mlrt_hits *own)
 {
+    const mlrt_hits *given = *hits;
     const int is_right = given->struct_size == sizeof *given && !given->reserved &&
                          given->occluded.stride < MLRT_STRIDE_LIMIT && are_right_arrays(&given->t, sizeof given->t, 0);
-    return MLRT_LIKELY(is_right) ? given : mlrt_see_struct(MLRT_STRUCT_HITS, "hits", given, own, status);
+    if (MLRT_LIKELY(is_right)) return MLRT_OK;
+    *hits = own;
+    return mlrt_take_struct(MLRT_STRUCT_HITS, "hits", 0, given, own);
 }
 
-const mlrt_points *mlrt_take_points(const mlrt_points *given, mlrt_points *own, int32_t *status)
+int32_t mlrt_take_points(const mlrt_points *given, mlrt_points *own)
 {
-    const mlrt_points *points = mlrt_see_struct(MLRT_STRUCT_POINTS, "points", given, own, status);
-    if (points && points->count && !points->positions.data)
-        *status = fail_argument("points.positions", "NULL, but count is not 0");
-    return *status == MLRT_OK ? points : NULL;
+    const int32_t status = mlrt_take_struct(MLRT_STRUCT_POINTS, "points", 0, given, own);
+    if (status != MLRT_OK || !own->count || own->positions.data) return status;
+    return fail_argument("points.positions", "NULL, but count is not 0");
 }
 
 /* Is the array of results given that a field describes? */

@@ -28,11 +28,13 @@ MLRT_INLINE uint64_t or_words(uint64_t all, const void *part, size_t size)
 }
 
 /*
- * Are all options 0, except for the query, the instruction set, the mask and the pool? `of` is of this version. Checks
- * no rule but that of the query.
+ * Are the options of this version, and all of them 0 except for the query, the instruction set, the mask and the pool?
+ * Without options (NULL) all are 0. Checks no rule but that of the query.
  */
 MLRT_INLINE int mlrt_are_plain(const mlrt_trace_options *of)
 {
+    if (!of) return 1;
+    if (of->struct_size != sizeof *of) return 0;
     const size_t first = offsetof(mlrt_trace_options, culling), last = offsetof(mlrt_trace_options, counters);
     uint64_t all = (uint32_t)of->method | ((uint32_t)of->query & ~(uint32_t)MLRT_QUERY_ANY);
     all = or_words(all, &of->culling, offsetof(mlrt_trace_options, mask) - first);
@@ -53,14 +55,15 @@ int32_t mlrt_take_options(const mlrt_trace_options *given, struct mlrt_call *cal
 /* Ends a call that took options: the message of a failed call goes to the log of its host. Returns `status`. */
 int32_t mlrt_end_traced(const struct mlrt_call *call, int32_t status);
 
-/* Checks rules between fields. Lights are an error: mlrt_take_lights moves those of a picture out of its options. */
-int32_t mlrt_check_options(const mlrt_trace_options *options);
-int32_t mlrt_take_lights(mlrt_trace_options *options, const mlrt_light **lights, uint32_t *count);
+/* Checks rules between fields. Only pictures take lights. */
+int32_t mlrt_check_options(const mlrt_trace_options *options, int is_picture);
 
-/* Return the struct that was checked: `given`, or `own` if it is of another version. NULL unless *status is MLRT_OK. */
-const mlrt_rays *mlrt_take_rays(const mlrt_rays *given, mlrt_rays *own, int32_t *status);
-const mlrt_hits *mlrt_take_hits(const mlrt_hits *given, mlrt_hits *own, int32_t *status);
-const mlrt_points *mlrt_take_points(const mlrt_points *given, mlrt_points *own, int32_t *status);
+/* Check a struct. If it is of another version or unusual, it is copied to *own, and *rays or *hits becomes `own`. */
+int32_t mlrt_take_rays(const mlrt_rays **rays, mlrt_rays *own);
+int32_t mlrt_take_hits(const mlrt_hits **hits, mlrt_hits *own);
+
+/* Copies a struct to *own, and checks it. */
+int32_t mlrt_take_points(const mlrt_points *given, mlrt_points *own);
 
 /*
  * Check that the call writes all arrays that are given, and that there is one. None is needed if `may_be_empty`: for a

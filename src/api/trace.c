@@ -63,27 +63,27 @@ static uint32_t standard_initial_tile(const struct mlrt_job *job)
     return job->source.width <= 4 ? structure->tracer.list_side : structure->tracer.row_side;
 }
 
-/* Sets the tree, the query and the masks of a job, whose source is set. If `any`, any hit will do in any case. */
-MLRT_INLINE void set_query(const mlrt_tree *tree, const mlrt_trace_options *options, int any, struct mlrt_job *job)
+/* Sets the tree, the query and the masks of a job, whose source is set. Of rays to a light, any hit will do. */
+MLRT_INLINE void set_query(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
     job->tree = tree;
-    job->any = any || options->query == MLRT_QUERY_ANY;
+    job->any = options->query == MLRT_QUERY_ANY || mlrt_is_light(&job->source);
     mlrt_set_masks(tree, options->mask, tree->structure->tracer.filters_leaves, &job->source);
 }
 
 /*
- * Checks the options, and sets the fields of a job that follow from them and the tree, those of a call without lights
- * and callback. `any` is as in set_query.
+ * Checks the options, and sets the fields of a job, whose source is set, that follow from them and the tree, those of a
+ * call without lights and callback.
  */
-static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, int any, struct mlrt_job *job)
+static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
-    int32_t status = mlrt_check_options(options);
+    int32_t status = mlrt_check_options(options, job->source.kind == MLRT_SOURCE_CAMERA);
     if (status == MLRT_OK) status = resolve_method(options->method, tree, &job->method);
     if (status != MLRT_OK) return status;
     job->lights = NULL;
     job->light_count = 0;
     job->callback.function = NULL;
-    set_query(tree, options, any, job);
+    set_query(tree, options, job);
     job->multilevel.culling = options->culling;
     job->multilevel.culling_check = options->culling_check != 0;
     job->multilevel.shortcuts = ~options->shortcuts_off;
@@ -104,23 +104,23 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
 /* ---- rays ---- */
 
 /* Sets the fields of a job that few rays need, of plain options. Returns 0 if the kernels are not known at once. */
-static int set_plain_options(const mlrt_tree *tree, const mlrt_trace_options *options, int any, struct mlrt_job *job)
+static int set_plain_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
     const struct mlrt_structure *structure = tree->structure;
-    set_query(tree, options, any, job);
+    set_query(tree, options, job);
     job->method = structure->tracer.method;
     job->kernels = mlrt_is_known_isa(options->isa) ? mlrt_known_kernels(structure, options->isa) : NULL;
     return job->kernels != NULL;
 }
 
-/* Runs a job for a list of rays, whose source is set. `any` is as in set_query. Returns a status. */
-static int32_t run_list(const mlrt_tree *tree, const struct mlrt_call *call, int any, const mlrt_hits *hits,
+/* Runs a job for a list of rays, whose source is set. Returns a status. */
+static int32_t run_list(const mlrt_tree *tree, const struct mlrt_call *call, const mlrt_hits *hits,
                         struct mlrt_job *job)
 {
-    const int are_set = call->is_plain && set_plain_options(tree, call->options, any, job);
-    int32_t status = are_set ? MLRT_OK : resolve_options(tree, call->options, any, job);
+    const int are_set = call->is_plain && set_plain_options(tree, call->options, job);
+    int32_t status = are_set ? MLRT_OK : resolve_options(tree, call->options, job);
     if (status != MLRT_OK || mlrt_trace_few_rays(job, &call->run, hits)) return status;
-    if (are_set) status = resolve_options(tree, call->options, any, job);
+    if (are_set) status = resolve_options(tree, call->options, job);
     if (status != MLRT_OK) return status;
     mlrt_make_sink(hits, job->source.width, 1, &job->frame);
     return mlrt_note_status(mlrt_run_job(job, &call->run));
@@ -135,14 +135,14 @@ MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays,
     struct mlrt_call call;
     struct mlrt_job job;
     int32_t status = mlrt_take_options(options, &call);
-    if (status == MLRT_OK) rays = mlrt_take_rays(rays, &own_rays, &status);
-    if (status == MLRT_OK) hits = mlrt_take_hits(hits, &own_hits, &status);
+    if (status == MLRT_OK) status = mlrt_take_rays(&rays, &own_rays);
+    if (status == MLRT_OK) status = mlrt_take_hits(&hits, &own_hits);
     if (status == MLRT_OK) status = mlrt_check_hits("hits", hits, call.options, 0, !rays->count || call.run.counters);
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
     mlrt_make_ray_source(tree, rays, &job.source);
     if (!rays->row_length && rays->count > MLRT_PACKET_RAYS)
         mlrt_set_rows(mlrt_find_row_length(&job.source), &job.source);
-    return mlrt_end_traced(&call, run_list(tree, &call, 0, hits, &job));
+    return mlrt_end_traced(&call, run_list(tree, &call, hits, &job));
 }
 
 /* The t_max of a ray. Its bits are looked at, as the caller's floating-point environment may take a denormal for 0. */
@@ -153,46 +153,52 @@ static float resolve_t_max(const mlrt_ray *ray)
     return bits & 0x7FFFFFFF ? ray->t_max : INFINITY;
 }
 
-/* Traces one ray with all checks of a call. */
-static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_trace_options *options,
-                                           struct mlrt_lone_ray *lone, mlrt_hit *hit)
+/* Sets what of a ray follows from options, which were checked; NULL = defaults. */
+MLRT_INLINE void set_lone_ray(const mlrt_ray *ray, const mlrt_trace_options *options, struct mlrt_lone_ray *lone)
+{
+    lone->given_origin = ray->origin;
+    lone->given_direction = ray->direction;
+    lone->any = options ? options->query : 0;
+    lone->mask = options && options->mask ? options->mask : MLRT_MASK_ALL;
+}
+
+/* Traces one ray, whose limits and `skip` are set, with all checks of a call. */
+static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray *ray,
+                                           const mlrt_trace_options *options, struct mlrt_lone_ray *lone, mlrt_hit *hit)
 {
     const mlrt_rays list = {.struct_size = sizeof list, .count = 1}; /* options are checked as those of a list of one */
     struct mlrt_call call;
     struct mlrt_job job;
     mlrt_make_ray_source(tree, &list, &job.source);
     int32_t status = mlrt_take_options(options, &call);
-    if (status == MLRT_OK) status = resolve_options(tree, call.options, 0, &job);
+    if (status == MLRT_OK) status = resolve_options(tree, call.options, &job);
     if (status != MLRT_OK) return status;
-    mlrt_counters own = {.struct_size = 0};
-    mlrt_counters *counters = call.options->counters;
-    mlrt_fp_environment environment;
-    mlrt_enter_fp_environment(&environment);
-    if (job.method == MLRT_METHOD_TILE && !counters) {
-        lone->kernels = job.kernels;
-        mlrt_trace_lone_ray(tree, lone, hit);
-    } else {
-        mlrt_trace_by_ray(tree, lone, counters ? &own : NULL, hit);
-    }
-    mlrt_leave_fp_environment(&environment);
+    mlrt_counters own = {.struct_size = 0}, *counters = call.run.counters;
+    set_lone_ray(ray, call.options, lone);
+    lone->kernels = job.kernels;
+    if (job.method == MLRT_METHOD_TILE && !counters)
+        MLRT_COMPUTE(mlrt_trace_lone_ray(tree, lone, hit));
+    else
+        MLRT_COMPUTE(mlrt_trace_by_ray(tree, lone, counters ? &own : NULL, hit));
     if (counters) mlrt_add_counters(counters, &own);
     return MLRT_OK;
 }
 
-/* As mlrt_trace_ray, for structs of other versions. Fields of the hit that the query does not set keep their values. */
+/*
+ * As mlrt_trace_ray, for a ray or a hit of another version. Fields of the hit that the query does not set keep their
+ * values.
+ */
 static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const mlrt_ray *ray,
                                                  const mlrt_trace_options *options, mlrt_hit *hit)
 {
     mlrt_ray own_ray;
     mlrt_hit own_hit;
-    mlrt_trace_options own_options;
     int32_t status = mlrt_take_struct(MLRT_STRUCT_RAY, "ray", 0, ray, &own_ray);
     if (status == MLRT_OK) status = mlrt_check_result_size(MLRT_STRUCT_HIT, "hit", hit);
-    if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_TRACE_OPTIONS, "options", 0, options, &own_options);
     if (status != MLRT_OK) return status;
     memcpy(&own_hit, hit, mlrt_forms[MLRT_STRUCT_HIT].first_size);
     own_hit.struct_size = sizeof own_hit;
-    status = mlrt_trace_ray(tree, &own_ray, options ? &own_options : NULL, &own_hit);
+    status = mlrt_trace_ray(tree, &own_ray, options, &own_hit);
     if (status == MLRT_OK) mlrt_give_struct(&own_hit, sizeof own_hit, hit);
     return status;
 }
@@ -203,38 +209,24 @@ MLRT_INLINE uint32_t skipped_triangle(const mlrt_tree *tree, const mlrt_ray *ray
     return ray->flags ? mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle) : MLRT_NONE;
 }
 
-/* Sets what of a ray follows from options, which are plain; NULL = defaults. */
-MLRT_INLINE void set_lone_ray(const mlrt_ray *ray, const mlrt_trace_options *options, struct mlrt_lone_ray *lone)
-{
-    lone->given_origin = ray->origin;
-    lone->given_direction = ray->direction;
-    lone->any = options ? options->query : 0;
-    lone->mask = options && options->mask ? options->mask : MLRT_MASK_ALL;
-}
-
 /* As mlrt_trace_ray, for any arguments. */
 static MLRT_NOINLINE int32_t trace_any_ray(const mlrt_tree *tree, const mlrt_ray *ray,
                                            const mlrt_trace_options *options, mlrt_hit *hit)
 {
     struct mlrt_lone_ray lone;
     if (!tree || !ray || !hit) return mlrt_fail_null("tree ray hit", !tree + 2 * !ray);
-    if (ray->struct_size != sizeof *ray || hit->struct_size != sizeof *hit ||
-        (options && options->struct_size != sizeof *options)) {
+    if (ray->struct_size != sizeof *ray || hit->struct_size != sizeof *hit)
         return trace_versioned_ray(tree, ray, options, hit);
-    }
     if (ray->flags & ~(uint32_t)MLRT_RAY_SKIP) return mlrt_check_fields(MLRT_STRUCT_RAY, "ray", 0, ray);
-    set_lone_ray(ray, options, &lone);
-    lone.kernels = NULL;
     lone.skip = skipped_triangle(tree, ray);
     lone.t_min = ray->t_min;
     lone.t_max = resolve_t_max(ray);
-    int is_plain = tree->structure->tracer.method == MLRT_METHOD_TILE && (!options || mlrt_are_plain(options));
-    if (is_plain && options && options->isa) {
-        is_plain = (uint32_t)options->isa <= MLRT_ISA_AVX512;
-        if (is_plain) lone.kernels = mlrt_select_kernels(tree->structure, options->isa, MLRT_METHOD_DEFAULT, 0);
-        is_plain &= lone.kernels != NULL;
-    }
-    if (!is_plain) return trace_as_call(tree, options, &lone, hit);
+    const int is_plain = tree->structure->tracer.method == MLRT_METHOD_TILE && mlrt_are_plain(options);
+    lone.kernels =
+        is_plain ? mlrt_select_kernels(tree->structure, options ? options->isa : MLRT_ISA_AUTO, MLRT_METHOD_TILE, 0)
+                 : NULL;
+    if (!lone.kernels) return trace_as_call(tree, ray, options, &lone, hit);
+    set_lone_ray(ray, options, &lone);
     MLRT_COMPUTE(mlrt_trace_lone_ray(tree, &lone, hit));
     return MLRT_OK;
 }
@@ -276,9 +268,8 @@ MLRT_INLINE int is_usual_call(const mlrt_tree *tree, const mlrt_ray *ray, const 
 {
     static const float one = 1; /* compared as bits, which takes fewer steps */
     return tree && !memcmp(&tree->bvh.unit, &one, sizeof one) && ray && ray->struct_size == sizeof *ray && hit &&
-           hit->struct_size == sizeof *hit && ray->flags <= MLRT_RAY_SKIP &&
-           (!options ||
-            (options->struct_size == sizeof *options && mlrt_are_plain(options) && mlrt_is_known_isa(options->isa)));
+           hit->struct_size == sizeof *hit && ray->flags <= MLRT_RAY_SKIP && mlrt_are_plain(options) &&
+           (!options || mlrt_is_known_isa(options->isa));
 }
 
 /* Traces usual calls in the floating-point environment of the library; trace_any_ray traces the others. */
@@ -313,27 +304,24 @@ MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *ray
     mlrt_hit_lists own_lists;
     struct mlrt_call call;
     int32_t status = mlrt_take_options(options, &call);
-    if (status == MLRT_OK) rays = mlrt_take_rays(rays, &own_rays, &status);
+    if (status == MLRT_OK) status = mlrt_take_rays(&rays, &own_rays);
     if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_HIT_LISTS, "lists", 0, lists, &own_lists);
     if (status == MLRT_OK) status = mlrt_check_lists(&own_lists, !rays->count || call.run.counters);
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
     struct mlrt_job job;
     mlrt_make_ray_source(tree, rays, &job.source);
-    status = resolve_options(tree, call.options, 0, &job);
+    status = resolve_options(tree, call.options, &job);
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_all_hits(tree, &job.source, &own_lists, &call.run));
     return mlrt_end_traced(&call, status);
 }
 
 /* Makes a job for each light: as that of the picture, but for any hit, and without results of its own. */
-static int32_t make_light_jobs(const mlrt_light *lights, uint32_t count, const struct mlrt_job *job,
+static int32_t make_light_jobs(const mlrt_trace_options *options, const struct mlrt_job *job,
                                struct mlrt_job jobs[MLRT_LIGHT_LIMIT])
 {
-    for (uint32_t i = 0; i < count; ++i) {
+    for (uint32_t i = 0; i < options->light_count; ++i) {
         mlrt_light light;
-        const void *given = (const unsigned char *)lights + (size_t)i * lights->struct_size;
-        /* Checked first: with another size, the light might reach beyond the array. */
-        int32_t status = mlrt_check_equal_sizes("options.lights[%lu]", i, lights, given);
-        if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_LIGHT, "options.lights[%lu]", i, given, &light);
+        const int32_t status = mlrt_take_struct(MLRT_STRUCT_LIGHT, "options.lights[%lu]", i, options->lights, &light);
         if (status != MLRT_OK) return status;
         jobs[i] = *job;
         jobs[i].any = 1;
@@ -346,13 +334,10 @@ static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_c
                                              const struct mlrt_call *call, const mlrt_hits *frame, struct mlrt_job *job,
                                              struct mlrt_job light_jobs[MLRT_LIGHT_LIMIT])
 {
-    mlrt_trace_options options = *call->options;
-    const mlrt_light *lights;
-    uint32_t light_count;
+    const uint32_t light_count = call->options->light_count;
     int32_t status = mlrt_make_view_source(camera, &job->source);
-    if (status == MLRT_OK) status = mlrt_take_lights(&options, &lights, &light_count);
-    if (status == MLRT_OK) status = resolve_options(tree, &options, 0, job);
-    if (status == MLRT_OK) status = make_light_jobs(lights, light_count, job, light_jobs);
+    if (status == MLRT_OK) status = resolve_options(tree, call->options, job);
+    if (status == MLRT_OK) status = make_light_jobs(call->options, job, light_jobs);
     if (status != MLRT_OK) return status;
     mlrt_make_sink(frame, job->source.width, 0, &job->frame);
     if (light_count &&
@@ -439,14 +424,14 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
     mlrt_light own_light;
     struct mlrt_call call;
     int32_t status = mlrt_take_options(options, &call);
-    if (status == MLRT_OK) points = mlrt_take_points(points, &own_points, &status);
+    if (status == MLRT_OK) status = mlrt_take_points(points, &own_points);
     if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_LIGHT, "light", 0, light, &own_light);
     if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_BYTES, "occluded", 0, occluded);
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
     struct mlrt_job job;
     const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = *occluded};
-    mlrt_make_light_source(tree, points, &own_light, &job.source);
-    return mlrt_end_traced(&call, run_list(tree, &call, 1, &hits, &job));
+    mlrt_make_light_source(tree, &own_points, &own_light, &job.source);
+    return mlrt_end_traced(&call, run_list(tree, &call, &hits, &job));
 }
 
 /* Sets *number to that of a triangle in the tree. Returns a status: there must be one. */
@@ -509,11 +494,12 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
     return MLRT_OK;
 }
 
-static MLRT_NOINLINE int32_t find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int32_t side,
+static MLRT_NOINLINE int32_t find_offset_point(const mlrt_tree *tree, uint32_t number, float u, float v, int32_t side,
                                                float point[3])
 {
-    if (mlrt_find_offset_point(triangle, u, v, side, NULL, point)) return MLRT_OK;
-    if (mlrt_triangle_is_finite(triangle) && mlrt_triangle_has_area(triangle))
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+    if (mlrt_find_offset_point(&triangle, u, v, side, NULL, point)) return MLRT_OK;
+    if (mlrt_triangle_is_finite(&triangle) && mlrt_triangle_has_area(&triangle))
         return mlrt_fail(MLRT_ERROR_ARGUMENT, "point: it would leave the range of float");
     return mlrt_fail(MLRT_ERROR_ARGUMENT, "triangle: it is not finite, or has no area");
 }
@@ -528,10 +514,6 @@ MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_
     if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_FLOAT, "u", 0, &u);
     if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_FLOAT, "v", 0, &v);
     if (status != MLRT_OK) return status;
-    mlrt_fp_environment environment;
-    mlrt_enter_fp_environment(&environment);
-    const struct mlrt_triangle given = mlrt_triangle_at(&tree->by_number, number);
-    status = find_offset_point(&given, u, v, side, point);
-    mlrt_leave_fp_environment(&environment);
+    MLRT_COMPUTE(status = find_offset_point(tree, number, u, v, side, point));
     return status;
 }

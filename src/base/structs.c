@@ -39,13 +39,6 @@ int32_t mlrt_check_result_size(int form, const char *path, const void *given)
     return check_size(&mlrt_forms[form], path, 0, size_of(given));
 }
 
-int32_t mlrt_check_equal_sizes(const char *path, size_t index, const void *first, const void *given)
-{
-    if (size_of(first) == size_of(given)) return MLRT_OK;
-    return mlrt_fail_at(MLRT_ERROR_STRUCT_SIZE, path, index, "struct_size", "%lu is not that of element 0, %lu",
-                        (unsigned long)size_of(given), (unsigned long)size_of(first));
-}
-
 /* Copies a struct of another size than this version's: shorter, or longer. */
 static MLRT_NOINLINE int32_t convert(const struct mlrt_form *form, const char *path, size_t index,
                                      const unsigned char *given, unsigned char *own)
@@ -63,14 +56,19 @@ static MLRT_NOINLINE int32_t convert(const struct mlrt_form *form, const char *p
     return MLRT_OK;
 }
 
-int32_t mlrt_copy_struct(int number, const char *path, size_t index, const void *given, void *own)
+int32_t mlrt_copy_struct(int number, const char *path, size_t index, const void *first, void *own)
 {
     const struct mlrt_form *form = &mlrt_forms[number];
-    if (!given) {
+    if (!first) {
         memset(own, 0, form->own_size);
         return MLRT_OK;
     }
-    const size_t size = size_of(given);
+    const size_t size = size_of(first);
+    const unsigned char *given = (const unsigned char *)first + index * size;
+    if (MLRT_UNLIKELY(size_of(given) != size)) {
+        return mlrt_fail_at(MLRT_ERROR_STRUCT_SIZE, path, index, "struct_size", "%lu is not that of element 0, %lu",
+                            (unsigned long)size_of(given), (unsigned long)size);
+    }
     const int32_t status = check_size(form, path, index, size);
     if (MLRT_UNLIKELY(status != MLRT_OK)) return status;
     if (MLRT_UNLIKELY(size != form->own_size)) return convert(form, path, index, given, own);
@@ -78,23 +76,10 @@ int32_t mlrt_copy_struct(int number, const char *path, size_t index, const void 
     return MLRT_OK;
 }
 
-int32_t mlrt_take_struct(int number, const char *path, size_t index, const void *given, void *own)
+int32_t mlrt_take_struct(int number, const char *path, size_t index, const void *first, void *own)
 {
-    const int32_t status = mlrt_copy_struct(number, path, index, given, own);
-    return status == MLRT_OK && given ? mlrt_check_fields(number, path, index, own) : status;
-}
-
-const void *mlrt_see_struct(int number, const char *path, const void *given, void *own, int32_t *status)
-{
-    const struct mlrt_form *form = &mlrt_forms[number];
-    const void *seen = given;
-    if (MLRT_UNLIKELY(size_of(given) != form->own_size)) {
-        *status = mlrt_copy_struct(number, path, 0, given, own);
-        if (*status != MLRT_OK) return NULL;
-        seen = own;
-    }
-    *status = mlrt_check_fields(number, path, 0, seen);
-    return *status == MLRT_OK ? seen : NULL;
+    const int32_t status = mlrt_copy_struct(number, path, index, first, own);
+    return status == MLRT_OK && first ? mlrt_check_fields(number, path, index, own) : status;
 }
 
 void mlrt_give_struct(const void *own, size_t own_size, void *given)

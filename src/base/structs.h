@@ -14,31 +14,23 @@
 #define MLRT_STRIDE_LIMIT ((size_t)1 << 31)
 
 /*
- * Copies a caller's struct to *own, and checks it. Fields that it does not have become 0; without a struct (NULL) all
- * do. `form` is MLRT_STRUCT_* or MLRT_FORM_*; `path` and `index` name the struct as in mlrt_fail_at. Returns MLRT_OK;
- * the status of the form, if a rule is broken; or MLRT_ERROR_STRUCT_SIZE if its size is less than in the first version,
- * greater than that of any later version, or not a multiple of 4, or if a byte behind the fields that this version
- * knows is not 0.
+ * Copies element `index` of a caller's array of structs to *own, and checks it; of a struct alone, that is element 0.
+ * Fields that it does not have become 0; without a struct (NULL) all do. `form` is MLRT_STRUCT_* or MLRT_FORM_*; `path`
+ * and `index` name the struct as in mlrt_fail_at. Returns MLRT_OK; the status of the form, if a rule is broken; or
+ * MLRT_ERROR_STRUCT_SIZE if its size is less than in the first version, greater than that of any later version, not a
+ * multiple of 4, or not that of element 0, which must have been taken first; or if a byte behind the fields that this
+ * version knows is not 0.
  */
-int32_t mlrt_take_struct(int form, const char *path, size_t index, const void *given, void *own);
-
-/*
- * As mlrt_take_struct, but copies only a struct of another size than this version's. Returns the struct that was
- * checked, `given` or `own`, and sets *status. Returns NULL unless that is MLRT_OK.
- */
-const void *mlrt_see_struct(int form, const char *path, const void *given, void *own, int32_t *status);
+int32_t mlrt_take_struct(int form, const char *path, size_t index, const void *first, void *own);
 
 /* As mlrt_take_struct, without the rules, for structs that say where messages go. */
-int32_t mlrt_copy_struct(int form, const char *path, size_t index, const void *given, void *own);
+int32_t mlrt_copy_struct(int form, const char *path, size_t index, const void *first, void *own);
 
 /* Checks the fields of a struct of this version. Returns MLRT_OK, or the status of the form. */
 int32_t mlrt_check_fields(int form, const char *path, size_t index, const void *own);
 
 /* Checks that struct_size of a caller's result is one that mlrt_give_struct can write. Returns a status. */
 int32_t mlrt_check_result_size(int form, const char *path, const void *given);
-
-/* Checks that element `index` of an array of structs has the struct_size of the first. Returns a status. */
-int32_t mlrt_check_equal_sizes(const char *path, size_t index, const void *first, const void *given);
 
 /*
  * Checks an array that has data: address and stride must be multiples of `unit` (1, 2 or 4), the stride from `least` to

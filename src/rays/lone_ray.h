@@ -17,7 +17,7 @@ struct mlrt_kernels;
 
 /* Vectors are x, y, z, and z once more. */
 struct mlrt_lone_ray {
-    const struct mlrt_kernels *kernels; /* those that trace the ray; NULL = the widest */
+    const struct mlrt_kernels *kernels; /* those that trace the ray */
     MLRT_ALIGNED(16) float origin[4];
     MLRT_ALIGNED(16) float direction[4];
     MLRT_ALIGNED(16) float reciprocal[4]; /* 1 / direction, rounded */

@@ -159,6 +159,11 @@ static inline int mlrt_is_safe_ray(const struct mlrt_ray_segment *ray)
     return mlrt_are_float_safe(ray->origin) && mlrt_are_float_safe(ray->direction);
 }
 
+static inline int mlrt_is_light(const struct mlrt_source *source)
+{
+    return source->kind == MLRT_SOURCE_POINT_LIGHT || source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT;
+}
+
 static inline int mlrt_is_pinhole(const struct mlrt_source *source)
 {
     return source->kind == MLRT_SOURCE_CAMERA && !mlrt_is_parallel(&source->view);

@@ -55,11 +55,6 @@ static int32_t widest_isa(void)
 }
 #endif
 
-const struct mlrt_kernels *mlrt_widest_kernels(const struct mlrt_structure *structure)
-{
-    return structure->tracer.kernels[widest_isa()];
-}
-
 const struct mlrt_kernels *mlrt_select_kernels(const struct mlrt_structure *structure, int32_t isa, int32_t method,
                                                int counting)
 {

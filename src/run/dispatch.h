@@ -35,7 +35,4 @@ static inline const struct mlrt_kernels *mlrt_known_kernels(const struct mlrt_st
     return structure->tracer.kernels[isa];
 }
 
-/* The kernels for the widest instruction set of this machine. */
-const struct mlrt_kernels *mlrt_widest_kernels(const struct mlrt_structure *structure);
-
 #endif

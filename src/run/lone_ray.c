@@ -6,8 +6,8 @@
 
 #include "base/host.h"
 #include "job/job.h"
+#include "job/structure.h"
 #include "rays/meet_scene.h"
-#include "run/dispatch.h"
 #include "scene/tree.h"
 
 void mlrt_trace_by_ray(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_counters *counters, mlrt_hit *hit)
@@ -37,8 +37,7 @@ MLRT_INLINE void trace_taken_ray(const mlrt_tree *tree, enum mlrt_lone_ray_kind 
     if (kind == MLRT_LONE_RAY_MISSES) {
         mlrt_set_miss(ray->any, hit);
     } else if (kind == MLRT_LONE_RAY_MAY_HIT) {
-        const struct mlrt_kernels *kernels = ray->kernels ? ray->kernels : mlrt_widest_kernels(tree->structure);
-        status = (tree->bvh.unit == 1 ? kernels->trace_ray : kernels->trace_ray_in_units)(tree, ray, hit);
+        status = (tree->bvh.unit == 1 ? ray->kernels->trace_ray : ray->kernels->trace_ray_in_units)(tree, ray, hit);
     }
     if (status != MLRT_OK) mlrt_trace_by_ray(tree, ray, NULL, hit);
 }

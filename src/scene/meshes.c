@@ -17,15 +17,10 @@
 
 /* ---- one mesh ---- */
 
-static const void *given_mesh(const mlrt_mesh *meshes, size_t i)
-{
-    return (const unsigned char *)meshes + i * meshes->struct_size;
-}
-
 MLRT_NOINLINE mlrt_mesh mlrt_mesh_at(const mlrt_mesh *meshes, size_t i)
 {
     mlrt_mesh mesh;
-    (void)mlrt_take_struct(MLRT_STRUCT_MESH, PATH, i, given_mesh(meshes, i), &mesh);
+    (void)mlrt_take_struct(MLRT_STRUCT_MESH, PATH, i, meshes, &mesh);
     if (mesh.index_size == 0) mesh.index_size = 4;
     if (mesh.vertex_stride == 0) mesh.vertex_stride = 12;
     if (mesh.triangle_stride == 0) mesh.triangle_stride = 3 * (size_t)mesh.index_size;
@@ -36,8 +31,7 @@ MLRT_NOINLINE mlrt_mesh mlrt_mesh_at(const mlrt_mesh *meshes, size_t i)
 static int32_t check_mesh(const mlrt_mesh *meshes, size_t i)
 {
     mlrt_mesh given;
-    int32_t status = mlrt_check_equal_sizes(PATH, i, meshes, given_mesh(meshes, i));
-    if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_MESH, PATH, i, given_mesh(meshes, i), &given);
+    int32_t status = mlrt_take_struct(MLRT_STRUCT_MESH, PATH, i, meshes, &given);
     if (status != MLRT_OK) return status;
     const mlrt_mesh mesh = mlrt_mesh_at(meshes, i);
     if (mesh.index_size != 2 && mesh.index_size != 4) {
