@@ -419,7 +419,7 @@ static void quotients(void **state)
     for (size_t c = 0; c < scaled(CASES); c++) {
         const uint64_t seed = random.state;
         struct input input;
-        struct mlrt_hit_report report;
+        mlrt_hit report;
         draw_input(&input, &random);
         evaluate(&input);
         if (mpz_sgn(d[0]) == 0) continue; // not a question

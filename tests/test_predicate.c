@@ -509,7 +509,7 @@ static void check_intervals(struct test_case *test, float t)
     test->ray.t_max = INFINITY;
 }
 
-static void check_report(const struct test_case *test, const struct mlrt_hit_report *report)
+static void check_report(const struct test_case *test, const mlrt_hit *report)
 {
     struct integers *z = &first_integers;
     check(is_rounded_quotient(z, z->n, report->t), "t", test);
@@ -542,7 +542,7 @@ static int check_case(struct test_case *test)
         check_hit(test);
         return 0;
     }
-    struct mlrt_hit_report report, exact_report;
+    mlrt_hit report, exact_report;
     mlrt_exact_report(&test->ray, &test->triangle, ALL_OUTPUTS, &exact_report);
     check_report(test, &exact_report);
     mlrt_report_hit(&test->ray, &test->triangle, ALL_OUTPUTS, &report);
@@ -911,7 +911,7 @@ static void assert_t(float z, float depth, float speed, float expected)
 {
     struct test_case test = make_facing_case(-1, 2, 0, 0, z, depth, speed);
     assert_true(check_case(&test));
-    struct mlrt_hit_report report;
+    mlrt_hit report;
     mlrt_report_hit(&test.ray, &test.triangle, MLRT_OUTPUT_T, &report);
     assert_true(report.t == expected);
 }
@@ -973,7 +973,7 @@ static void quotients_beside_a_middle(void **state)
         struct integers *z = &first_integers;
         set_integers(z, &test);
         if (mpz_sgn(z->d) * mpz_sgn(z->n) <= 0) continue;
-        struct mlrt_hit_report report;
+        mlrt_hit report;
         mlrt_report_hit(&test.ray, &test.triangle, MLRT_OUTPUT_T, &report);
         check(is_rounded_quotient(z, z->n, report.t), "t beside a middle", &test);
         check(fabs((double)report.t - (double)middle / 2) <= 0.5, "t is where it should be", &test);
@@ -1001,7 +1001,7 @@ static void ties_of_u_and_v_go_to_even(void **state)
     (void)state;
     struct test_case test = make_facing_case(-0x1p24f, 0x1p24f, 1, -3, 0, 1, 1);
     assert_true(check_case(&test));
-    struct mlrt_hit_report report;
+    mlrt_hit report;
     mlrt_report_hit(&test.ray, &test.triangle, MLRT_OUTPUT_UV, &report);
     assert_true(report.u == 0.5f);
     assert_true(report.v == (0x1p24f - 3) / 0x1p25f);
@@ -1042,7 +1042,7 @@ static void t_close_to_overflow(void **state)
         {{0, 0, 0x1p53f}, {0x1p-101f, 0, 0x1p-50f}, 0, INFINITY, ~0u},
         {{{-0x1p60f, -0x1p60f, 0x1p78f + 0x1p60f}, {0x1p60f, -0x1p60f, 0x1p78f - 0x1p60f}, {0, 0x1p60f, 0x1p78f}}}};
     assert_true(check_case(&test));
-    struct mlrt_hit_report report;
+    mlrt_hit report;
     mlrt_report_hit(&test.ray, &test.triangle, MLRT_OUTPUT_T, &report);
     assert_true(report.t == FLT_MAX);
     test.ray.direction[0] = -test.ray.direction[0];
@@ -1098,7 +1098,7 @@ static void corners_report_zero_and_one(void **state)
     for (int i = 0; i < 3; ++i) {
         memcpy(test.ray.origin, test.triangle.v[i], 2 * sizeof(float));
         assert_true(check_case(&test));
-        struct mlrt_hit_report report;
+        mlrt_hit report;
         mlrt_report_hit(&test.ray, &test.triangle, MLRT_OUTPUT_UV, &report);
         assert_true(report.u == weights[i][0] && report.v == weights[i][1]);
         assert_false(signbit(report.u) || signbit(report.v));
@@ -1116,7 +1116,7 @@ static void only_what_is_asked_for_is_written(void **state)
     const struct test_case *const cases[] = {&test, &grazing};
     for (int i = 0; i < 2; ++i) {
         for (uint32_t outputs = 0; outputs < 16; ++outputs) {
-            struct mlrt_hit_report report = {-7, -7, -7, -7};
+            mlrt_hit report = {.t = -7, .u = -7, .v = -7, .facing = -7};
             mlrt_report_hit(&cases[i]->ray, &cases[i]->triangle, outputs, &report);
             assert_int_equal(report.t != -7, (outputs & MLRT_OUTPUT_T) != 0);
             assert_int_equal(report.u != -7, (outputs & MLRT_OUTPUT_UV) != 0);

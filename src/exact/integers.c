@@ -391,15 +391,15 @@ static float round_quotient(const struct integer *x, const struct integer *d, in
 }
 
 void mlrt_exact_report(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, uint32_t outputs,
-                       struct mlrt_hit_report *report)
+                       mlrt_hit *hit)
 {
     struct grid grid;
     find_grid(ray->origin, ray->direction, triangle, NULL, 0, &grid);
     const int count = 3 * grid.count;
     struct integer x, d;
     find_crossing(&grid, ray->origin, triangle, &d, &x);
-    if (outputs & MLRT_OUTPUT_FACING) report->facing = sign_of(&d, count);
-    if (outputs & MLRT_OUTPUT_T) report->t = round_quotient(&x, &d, count, grid.direction_unit);
+    if (outputs & MLRT_OUTPUT_FACING) hit->facing = sign_of(&d, count);
+    if (outputs & MLRT_OUTPUT_T) hit->t = round_quotient(&x, &d, count, grid.direction_unit);
     for (int i = 0; i < 2 && outputs & MLRT_OUTPUT_UV; ++i) { /* e_ca / D, then e_ab / D */
         struct integer_vector to_vertex, edge, moment;
         const float *from = triangle->v[(i + 2) % 3];
@@ -407,6 +407,6 @@ void mlrt_exact_report(const struct mlrt_ray_segment *ray, const struct mlrt_tri
         subtract(triangle->v[i], from, grid.scale, grid.count, &edge);
         cross(&grid.direction, &to_vertex, grid.count, &moment);
         dot(&moment, &edge, grid.count, &x);
-        *(i == 0 ? &report->u : &report->v) = round_quotient(&x, &d, count, 1);
+        *(i == 0 ? &hit->u : &hit->v) = round_quotient(&x, &d, count, 1);
     }
 }

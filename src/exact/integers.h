@@ -30,6 +30,6 @@ int mlrt_exact_order(const struct mlrt_ray_segment *ray, const struct mlrt_trian
 
 /* As mlrt_report_hit (quotients.h). */
 void mlrt_exact_report(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, uint32_t outputs,
-                       struct mlrt_hit_report *report);
+                       mlrt_hit *hit);
 
 #endif

@@ -164,28 +164,28 @@ static int round_flat_quotient(const struct mlrt_ray_segment *ray, const struct 
 }
 
 void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, uint32_t outputs,
-                     struct mlrt_hit_report *report)
+                     mlrt_hit *hit)
 {
     struct mlrt_operands operands = mlrt_load_operands(ray->origin, ray->direction, triangle->v[0], 1);
     struct mlrt_crossing crossing = mlrt_measure_crossing(&operands);
     if (MLRT_UNLIKELY(!is_safe_denominator(crossing.d))) {
-        mlrt_exact_report(ray, triangle, outputs, report);
+        mlrt_exact_report(ray, triangle, outputs, hit);
         return;
     }
     struct denominator d = invert(crossing.d);
     uint32_t undecided = 0;
-    if (outputs & MLRT_OUTPUT_FACING) report->facing = crossing.d.value > 0 ? 1 : -1;
+    if (outputs & MLRT_OUTPUT_FACING) hit->facing = crossing.d.value > 0 ? 1 : -1;
     if (outputs & MLRT_OUTPUT_T) {
-        if (!round_enclosure(enclose_quotient(crossing.n, d), &report->t) &&
-            !round_flat_quotient(ray, triangle, &report->t)) {
+        if (!round_enclosure(enclose_quotient(crossing.n, d), &hit->t) &&
+            !round_flat_quotient(ray, triangle, &hit->t)) {
             undecided |= MLRT_OUTPUT_T;
         }
     }
     if (outputs & MLRT_OUTPUT_UV) {
         struct mlrt_two_edges edges = mlrt_measure_edges(&operands);
-        int both = round_enclosure(enclose_quotient(edges.ca, d), &report->u);
-        both &= round_enclosure(enclose_quotient(edges.ab, d), &report->v);
+        int both = round_enclosure(enclose_quotient(edges.ca, d), &hit->u);
+        both &= round_enclosure(enclose_quotient(edges.ab, d), &hit->v);
         if (!both) undecided |= MLRT_OUTPUT_UV;
     }
-    if (MLRT_UNLIKELY(undecided != 0)) mlrt_exact_report(ray, triangle, undecided, report);
+    if (MLRT_UNLIKELY(undecided != 0)) mlrt_exact_report(ray, triangle, undecided, hit);
 }

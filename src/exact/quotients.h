@@ -29,11 +29,12 @@ void mlrt_bound_distance(const struct mlrt_ray_segment *ray, const struct mlrt_t
 #define MLRT_LEAST_DENOMINATOR 0x1p-44
 
 /*
- * Sets the fields of *report that `outputs` asks for (MLRT_OUTPUT_T, _UV, _FACING or-ed together), for a triangle that
- * the ray hits; so t, u, v are not negative. The other fields stay as they are.
+ * Rule R5: sets t, u and v of a hit, each the exact quotient rounded once to the nearest float (ties to even), and
+ * facing, as far as `outputs` asks for them (MLRT_OUTPUT_T, _UV, _FACING or-ed together). The ray must hit the triangle;
+ * so t, u, v are not negative. The other fields stay as they are.
  */
 void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, uint32_t outputs,
-                     struct mlrt_hit_report *report);
+                     mlrt_hit *hit);
 
 /*
  * Offers a triangle in double alone. `other` is the triangle of the nearest hit so far (NULL: none), whose t lies in

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A ray as the hit rule takes it, which rays can hit anything (rule R1), and what is reported of a hit (R5). */
+/* A ray as the hit rule takes it, and which rays can hit anything (rule R1). */
 #ifndef MLRT_EXACT_SEGMENT_H
 #define MLRT_EXACT_SEGMENT_H
 
@@ -13,14 +13,6 @@ struct mlrt_ray_segment {
     float t_min;   /* >= 0 */
     float t_max;   /* may be inf */
     uint32_t mask; /* scene/masks.h */
-};
-
-/* Rule R5: t, u, v of a hit, each the exact quotient rounded once to the nearest float (ties to even). */
-struct mlrt_hit_report {
-    float t;
-    float u;
-    float v;
-    int32_t facing; /* sign of d . n */
 };
 
 /* Of a ray that sees all triangles. */

@@ -357,10 +357,10 @@ MLRT_INLINE int round_quotient(double quotient, double width, float *rounded)
 
 /*
  * The numbers of one ray's hit, in plain doubles: equal lanes of vectors would gain nothing. Returns 0 if the judge has to
- * compute them; then those in *report have no meaning.
+ * compute them; then those in *hit have no meaning.
  */
 MLRT_INLINE int report_one_ray(const struct mlrt_corners *of, const float origin[3], const float direction[3],
-                               struct mlrt_hit_report *report)
+                               mlrt_hit *hit)
 {
     const size_t row = of->row;
     const struct mlrt_vector a = mlrt_vector_at(of->corner, row), d = mlrt_vector_at(direction, 1);
@@ -377,10 +377,10 @@ MLRT_INLINE int report_one_ray(const struct mlrt_corners *of, const float origin
     const double edge_error = MLRT_NUMERATOR_ERROR * p_size * d_size,
                  d_error = MLRT_DENOMINATOR_ERROR * d_size * normal_size;
     int certain = d_size * normal_size * size < MLRT_GREATEST_D_SIZE;
-    certain &= round_quotient(n * inverse, n_width * size, &report->t);
-    certain &= round_quotient(mlrt_dot(ac, moment) * inverse, (edge_error * ac_size + d_error) * size, &report->u);
-    certain &= round_quotient(mlrt_dot(ba, moment) * inverse, (edge_error * ba_size + d_error) * size, &report->v);
-    report->facing = determinant > 0 ? 1 : -1;
+    certain &= round_quotient(n * inverse, n_width * size, &hit->t);
+    certain &= round_quotient(mlrt_dot(ac, moment) * inverse, (edge_error * ac_size + d_error) * size, &hit->u);
+    certain &= round_quotient(mlrt_dot(ba, moment) * inverse, (edge_error * ba_size + d_error) * size, &hit->v);
+    hit->facing = determinant > 0 ? 1 : -1;
     return certain;
 }
 

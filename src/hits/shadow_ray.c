@@ -90,13 +90,13 @@ static int find_end(const struct mlrt_source *light, const struct mlrt_triangle 
 static MLRT_NOINLINE void find_end_exactly(const struct mlrt_source *light, const struct mlrt_triangle *triangle,
                                            const struct mlrt_ray_segment *ray, int *faces, float end[3])
 {
-    struct mlrt_hit_report report;
+    mlrt_hit hit;
     const int side = -mlrt_facing(triangle, ray->direction);
     const int is_point = light->kind == MLRT_SOURCE_POINT_LIGHT;
     *faces = 0;
     if ((is_point ? mlrt_side_of_plane(triangle, light->light) : mlrt_facing(triangle, light->light)) != side) return;
-    mlrt_report_hit(ray, triangle, MLRT_OUTPUT_UV, &report);
-    *faces = mlrt_find_offset_point(triangle, report.u, report.v, side, is_point ? light->light : NULL, end);
+    mlrt_report_hit(ray, triangle, MLRT_OUTPUT_UV, &hit);
+    *faces = mlrt_find_offset_point(triangle, hit.u, hit.v, side, is_point ? light->light : NULL, end);
 }
 
 int mlrt_make_shadow_ray(const struct mlrt_source *light, const struct mlrt_triangle *triangle,

@@ -128,17 +128,12 @@ void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh
 void mlrt_set_hit(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t number, uint32_t outputs,
                   mlrt_hit *hit)
 {
-    struct mlrt_hit_report report = {0, 0, 0, 0};
     mlrt_set_miss(0, hit);
     if (number == MLRT_NONE) return;
     mlrt_find_ids(tree, number, &hit->mesh, &hit->triangle);
     if (!outputs) return;
     const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
-    mlrt_report_hit(ray, &triangle, outputs, &report);
-    hit->t = report.t;
-    hit->u = report.u;
-    hit->v = report.v;
-    hit->facing = report.facing;
+    mlrt_report_hit(ray, &triangle, outputs, hit);
 }
 
 void mlrt_set_result(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit)
@@ -200,14 +195,14 @@ void mlrt_report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *pa
                       struct mlrt_packet_values *values)
 {
     struct mlrt_ray_segment ray;
-    struct mlrt_hit_report report = {0, 0, 0, 0};
+    mlrt_hit hit = {.struct_size = 0};
     mlrt_get_segment(packet, lane, &ray);
     const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, packet->nearest.triangle[lane]);
-    mlrt_report_hit(&ray, &triangle, outputs, &report);
-    values->t[lane] = report.t;
-    values->uv[0][lane] = report.u;
-    values->uv[1][lane] = report.v;
-    values->facing[lane] = (uint32_t)report.facing;
+    mlrt_report_hit(&ray, &triangle, outputs, &hit);
+    values->t[lane] = hit.t;
+    values->uv[0][lane] = hit.u;
+    values->uv[1][lane] = hit.v;
+    values->facing[lane] = (uint32_t)hit.facing;
 }
 
 /* ---- packets ---- */

@@ -45,7 +45,6 @@ MLRT_INLINE struct mlrt_corners trace_as_lane(const struct mlrt_tree *tree, cons
 static int32_t trace_one_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
     struct mlrt_packet packet;
-    struct mlrt_hit_report report;
     if (MLRT_UNLIKELY(tree->bvh.node_count == 0)) {
         mlrt_set_result(tree, ray, MLRT_NONE, hit);
         return MLRT_OK;
@@ -56,15 +55,11 @@ static int32_t trace_one_ray(const struct mlrt_tree *tree, const struct mlrt_lon
         hit->occluded = number != MLRT_NONE;
         return MLRT_OK;
     }
-    if (number == MLRT_NONE || MLRT_UNLIKELY(!report_one_ray(&corners, ray->origin, ray->direction, &report))) {
+    if (number == MLRT_NONE || MLRT_UNLIKELY(!report_one_ray(&corners, ray->origin, ray->direction, hit))) {
         mlrt_set_result(tree, ray, number, hit);
         return MLRT_OK;
     }
     mlrt_find_ids(tree, number, &hit->mesh, &hit->triangle);
-    hit->t = report.t;
-    hit->u = report.u;
-    hit->v = report.v;
-    hit->facing = report.facing;
     hit->occluded = 1;
     return MLRT_OK;
 }
