@@ -492,6 +492,7 @@ static void check_lanes_of(const struct mlrt_source *source, const struct mlrt_r
         const uint32_t x = block->x + (uint32_t)mlrt_lane_x[lane], y = block->y + (uint32_t)mlrt_lane_y[lane];
         if (lanes >> lane & 1) valid = (uint32_t)mlrt_get_ray(source, x, y, &ray, &skip);
         if (valid) safe = (uint32_t)mlrt_is_safe_ray(&ray);
+        if (valid && packet->has.skip) assert_int_equal(packet->skip[lane], skip);
         if ((packet->active >> lane & 1) != (valid & safe) || (packet->single >> lane & 1) != (valid & ~safe & 1)) {
             fail_msg("lane %u of the block at %u, %u: valid %u, safe %u", lane, block->x, block->y, valid, safe);
         }
@@ -514,9 +515,8 @@ static uint32_t compare_tiles(const struct mlrt_source *source, const struct rea
                 struct mlrt_packet packet;
                 const struct mlrt_rectangle block = mlrt_block_of_tile(&tile, place);
                 const uint32_t lanes = mlrt_existing_lanes(source, &block);
-                mlrt_fetch_packet(source, block.x, block.y, lanes, &packet);
-                compare_packets(place, lanes, &tile.packets[place], &packet);
                 readers->fetch_block(source, &block, lanes, &packet);
+                compare_packets(place, lanes, &tile.packets[place], &packet);
                 readers->check_block(source, lanes, &packet);
                 check_lanes_of(source, &block, lanes, &packet);
                 ++count;

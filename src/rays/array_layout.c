@@ -27,15 +27,14 @@ int mlrt_begin_reading(const struct mlrt_source *source, struct mlrt_array_reade
 {
     const uint32_t group = source->arrays.rays_per_origin;
     const int is_rays = source->kind == MLRT_SOURCE_RAYS;
-    static const mlrt_const_array none;
     const mlrt_const_array light = {source->light, 0}; /* of a directional light: the direction of all rays */
     if (source->kind == MLRT_SOURCE_CAMERA || (group > 1 && group % MLRT_PACKET_RAYS != 0)) return 0;
     reader->source = source;
     lay_out_array(&source->arrays.points, group, source->width, &reader->points);
     lay_out_array(&source->arrays.skip, group, source->width, &reader->skip);
-    lay_out_array(is_rays ? &source->arrays.t_min : &none, group, source->width, &reader->t_min);
+    lay_out_array(&source->arrays.t_min, group, source->width, &reader->t_min);
     lay_out_array(is_rays ? &source->arrays.directions : &light, 1, source->width, &reader->directions);
-    lay_out_array(is_rays ? &source->arrays.t_max : &none, 1, source->width, &reader->t_max);
+    lay_out_array(&source->arrays.t_max, 1, source->width, &reader->t_max);
     reader->points_have_t_min = is_followed_by(&reader->points, &reader->t_min);
     reader->directions_have_t_max = is_followed_by(&reader->directions, &reader->t_max);
     reader->points.has_word = reader->points_have_t_min || is_followed_by(&reader->points, &reader->t_max) ||

@@ -146,11 +146,24 @@ MLRT_INLINE void find_mesh(const struct mlrt_tree *tree, uint32_t id, struct kno
     if (known->id != id) *known = (struct known_mesh){id, mlrt_find_mesh(tree, id)};
 }
 
-/* The numbers of these triangles of a mesh; MLRT_NONE for those that it does not have. */
-MLRT_INLINE vi numbers_in_mesh(const struct known_mesh *mesh, vi triangle)
+/*
+ * Turns the pairs skip_mesh and skip of a packet into triangle numbers in skip, mesh by mesh: neighbours mostly skip
+ * triangles of one mesh, or none.
+ */
+static void number_skips(const struct mlrt_tree *tree, struct known_mesh *known, struct mlrt_packet *packet)
 {
-    const vi number = i_sub(triangle, i_set1(0u - mesh->range.first));
-    return i_select(i_lt(triangle, i_set1(mesh->range.count)), number, i_set1(MLRT_NONE));
+    for (uint32_t left = 0xFFFF; left;) {
+        find_mesh(tree, packet->skip_mesh[mlrt_lowest_bit(left)], known);
+        const vi none = i_set1(MLRT_NONE), count = i_set1(known->range.count),
+                 minus_first = i_set1(0u - known->range.first);
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            const vi triangle = i_load(packet->skip + v);
+            const vm same = m_and(m_from_bits(left >> v), i_eq(i_load(packet->skip_mesh + v), i_set1(known->id)));
+            const vi number = i_select(i_lt(triangle, count), i_sub(triangle, minus_first), none);
+            i_store(packet->skip + v, i_select(same, number, triangle));
+            left &= ~(m_bits(same) << v);
+        }
+    }
 }
 
 #endif

@@ -99,30 +99,18 @@ MLRT_INLINE void read_floats(const struct mlrt_array_layout *layout, size_t elem
     }
 }
 
-/*
- * Reads the triangles that the rays of a block skip: pairs of mesh and triangle become numbers. Neighbours mostly skip
- * triangles of one mesh, or none, so that case is fast.
- */
+/* Reads the triangles that the rays of a block skip. */
 static void read_skips(const struct mlrt_array_layout *skip, size_t element, const struct mlrt_tree *tree,
                        struct known_mesh *known, struct mlrt_packet *packet)
 {
     const unsigned char *first = skip->data + element * skip->stride;
-    uint32_t mesh, others = 0;
-    memcpy(&mesh, first, sizeof mesh);
-    find_mesh(tree, mesh, known);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vi meshes, triangles;
         i_pairs_at(first + offset_of_lane(skip, v), skip->step, skip->row_step, &meshes, &triangles);
-        others |= ~m_bits(i_eq(meshes, i_set1(mesh))) & ALL_LANES;
         i_store(packet->skip_mesh + v, meshes);
-        i_store(packet->skip + v, others ? triangles : numbers_in_mesh(known, triangles));
-        if (MLRT_LIKELY(!others)) continue;
-        for (int w = 0; w < v; w += VW) { /* replaces the numbers found so far by triangles as given */
-            i_pairs_at(first + offset_of_lane(skip, w), skip->step, skip->row_step, &meshes, &triangles);
-            i_store(packet->skip + w, triangles);
-        }
+        i_store(packet->skip + v, triangles);
     }
-    if (MLRT_UNLIKELY(others)) mlrt_number_skips(tree, packet);
+    number_skips(tree, known, packet);
 }
 
 static void read_whole_block(const struct mlrt_array_reader *reader, uint32_t x, uint32_t y, struct known_mesh *known,
@@ -135,10 +123,9 @@ static void read_whole_block(const struct mlrt_array_reader *reader, uint32_t x,
     const unsigned char *directions = reader->directions.data + ray * reader->directions.stride;
     float *t_min = reader->points_have_t_min ? packet->t_min : NULL;
     float *t_max = reader->directions_have_t_max ? packet->t_max : NULL;
-    packet->has.apex = source->kind == MLRT_SOURCE_POINT_LIGHT;
+    mlrt_begin_packet(source, packet);
     if (packet->has.apex) {
         read_vectors(&reader->points, points, source->light, packet->direction, t_min);
-        memcpy(packet->apex, source->light, sizeof packet->apex);
     } else if (reader->are_structs) {
         read_structs(&reader->points, points, packet);
     } else {
@@ -147,10 +134,7 @@ static void read_whole_block(const struct mlrt_array_reader *reader, uint32_t x,
     }
     if (!t_min) read_floats(&reader->t_min, origin, 0, packet->t_min);
     if (!t_max) read_floats(&reader->t_max, ray, packet->has.apex ? 1 : INFINITY, packet->t_max);
-    packet->has.limits = reader->t_min.data || reader->t_max.data;
-    packet->has.masks = 0;
-    if (MLRT_UNLIKELY(source->has_masks)) mlrt_fetch_masks(source, x, y, 0xFFFF, packet);
-    packet->has.skip = reader->skip.data != NULL;
+    if (MLRT_UNLIKELY(packet->has.masks)) mlrt_fetch_masks(source, x, y, 0xFFFF, packet);
     if (packet->has.skip) read_skips(&reader->skip, origin, source->tree, known, packet);
 }
 

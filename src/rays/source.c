@@ -140,14 +140,10 @@ struct mlrt_mesh_range mlrt_find_mesh(const struct mlrt_tree *tree, uint32_t mes
     return (struct mlrt_mesh_range){tree->meshes.first[mesh], tree->meshes.first[mesh + 1] - tree->meshes.first[mesh]};
 }
 
-MLRT_INLINE uint32_t number_in_mesh(struct mlrt_mesh_range mesh, uint32_t triangle)
-{
-    return triangle < mesh.count ? mesh.first + triangle : MLRT_NONE;
-}
-
 uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, uint32_t triangle)
 {
-    return number_in_mesh(mlrt_find_mesh(tree, mesh_id), triangle);
+    const struct mlrt_mesh_range mesh = mlrt_find_mesh(tree, mesh_id);
+    return triangle < mesh.count ? mesh.first + triangle : MLRT_NONE;
 }
 
 int mlrt_are_alike(const struct mlrt_source *source)
@@ -200,29 +196,24 @@ MLRT_INLINE uint32_t ray_of_lane(const struct mlrt_source *source, uint32_t x, u
 void mlrt_fetch_masks(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                       struct mlrt_packet *packet)
 {
-    packet->has.masks = 1;
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane)
         packet->mask[lane] = mlrt_mask_of_ray(source, ray_of_lane(source, x, y, lanes, lane));
 }
 
-void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
+void mlrt_begin_packet(const struct mlrt_source *source, struct mlrt_packet *packet)
 {
-    uint32_t id = packet->skip_mesh[0];
-    struct mlrt_mesh_range mesh = mlrt_find_mesh(tree, id);
-    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        if (packet->skip_mesh[lane] != id) mesh = mlrt_find_mesh(tree, id = packet->skip_mesh[lane]);
-        packet->skip[lane] = number_in_mesh(mesh, packet->skip[lane]);
-    }
+    const struct mlrt_ray_arrays *arrays = &source->arrays;
+    packet->has.apex = source->kind == MLRT_SOURCE_POINT_LIGHT;
+    packet->has.limits = arrays->t_min.data || arrays->t_max.data;
+    packet->has.skip = arrays->skip.data != NULL;
+    packet->has.masks = source->has_masks;
+    if (packet->has.apex) memcpy(packet->apex, source->light, sizeof packet->apex);
 }
 
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                        struct mlrt_packet *packet)
 {
-    packet->has.apex = source->kind == MLRT_SOURCE_POINT_LIGHT;
-    packet->has.limits = source->kind == MLRT_SOURCE_RAYS && (source->arrays.t_min.data || source->arrays.t_max.data);
-    packet->has.skip = source->arrays.skip.data != NULL;
-    packet->has.masks = source->has_masks;
-    if (packet->has.apex) memcpy(packet->apex, source->light, sizeof packet->apex);
+    mlrt_begin_packet(source, packet);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const uint32_t i = ray_of_lane(source, x, y, lanes, lane);
         struct mlrt_lone_ray ray;
@@ -240,7 +231,6 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
         memcpy(&packet->skip_mesh[lane], pair, 4);
         memcpy(&packet->skip[lane], pair + 1, 4);
     }
-    if (packet->has.skip) mlrt_number_skips(source->tree, packet);
 }
 
 uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes)

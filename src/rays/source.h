@@ -169,17 +169,16 @@ static inline int mlrt_is_pinhole(const struct mlrt_source *source)
     return source->kind == MLRT_SOURCE_CAMERA && !mlrt_is_parallel(&source->view);
 }
 
+/* Sets what all rays of a packet of arrays have: `has`, and the apex of a point light. */
+void mlrt_begin_packet(const struct mlrt_source *source, struct mlrt_packet *packet);
+
 /*
- * Reads the numbers of a block of at most 4x4 rays of arrays at (x, y), as they are given, one ray after
- * the other: direction, origin, t_min, t_max, mask, skip and `has` of a packet. Packets of a point light have its apex
- * as well. `lanes` are those that exist, the first among them, or none; other lanes are not specified. Checks nothing:
- * check_packet.h does.
+ * Reads the numbers of a block of at most 4x4 rays of arrays at (x, y), as they are given, one ray after the other:
+ * direction, origin, t_min, t_max, mask, skip_mesh and skip of a packet. `lanes` are those that exist, the first among
+ * them, or none; other lanes are not specified. Begins the packet, and checks nothing: check_packet.h does.
  */
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                        struct mlrt_packet *packet);
-
-/* Turns the pairs skip_mesh and skip, as read, into triangle numbers in skip. */
-void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet);
 
 /* Reads the masks alone, of a source that has some: an array, or one for all rays. */
 void mlrt_fetch_masks(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
