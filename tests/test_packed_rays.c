@@ -539,7 +539,7 @@ static uint32_t compare_sources(const struct fixture *fixture, const struct ray_
                       .directions = {packed.directions, 0}};
     if (has_skips) rays.skip.data = packed.skip;
     mlrt_make_ray_source(fixture->tree, &rays, &source);
-    mlrt_set_masks(fixture->tree, MLRT_MASK_ALL, 1, &source);
+    mlrt_set_masks(fixture->tree, MLRT_MASK_ALL, &source);
     const uint32_t count = compare_tiles(&source, readers);
     const mlrt_points points = {.struct_size = sizeof points,
                                 .row_length = WIDTH,
@@ -550,7 +550,7 @@ static uint32_t compare_sources(const struct fixture *fixture, const struct ray_
     memcpy(light.position, light_position, sizeof light.position);
     for (light.kind = MLRT_LIGHT_POINT; light.kind <= MLRT_LIGHT_DIRECTIONAL; light.kind++) {
         mlrt_make_light_source(fixture->tree, &points, &light, &source);
-        mlrt_set_masks(fixture->tree, MLRT_MASK_ALL, 1, &source);
+        mlrt_set_masks(fixture->tree, MLRT_MASK_ALL, &source);
         compare_tiles(&source, readers);
     }
     free_packed(&packed, list->count);

@@ -199,7 +199,7 @@ static void check_source(const struct fixture *fixture, struct random *random, s
                             .t_max = given[T_MAX],
                             .skip = given[SKIP]};
     mlrt_make_ray_source(fixture->tree, &rays, &source);
-    mlrt_set_masks(fixture->tree, MLRT_MASK_ALL, 1, &source);
+    mlrt_set_masks(fixture->tree, MLRT_MASK_ALL, &source);
     const int is_list = source.width <= 4;
     const struct mlrt_rectangle whole = {0, 0, source.width, source.height};
     for (uint32_t y = 0; y < source.height; y += is_list ? 64 : 16) {

@@ -68,7 +68,7 @@ MLRT_INLINE void set_query(const mlrt_tree *tree, const mlrt_trace_options *opti
 {
     job->tree = tree;
     job->any = options->query == MLRT_QUERY_ANY || mlrt_is_light(&job->source);
-    mlrt_set_masks(tree, options->mask, tree->structure->tracer.filters_leaves, &job->source);
+    mlrt_set_masks(tree, options->mask, &job->source);
 }
 
 /*

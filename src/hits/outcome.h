@@ -6,7 +6,8 @@
 #define MLRT_HITS_OUTCOME_H
 
 #include "hits/triangle_filter.h"
-#include "rays/packet.h"
+#include "job/job.h"
+#include "scene/masks.h"
 #include "simd/simd.h"
 
 /* The result of a float filter for the lanes of a packet. */
@@ -15,6 +16,22 @@ struct outcome {
     uint32_t undecided; /* to be decided by close_calls.h */
     uint32_t inside;    /* surely inside all edges */
 };
+
+/* Returns those of `lanes` whose masks show a triangle. */
+static MLRT_NOINLINE uint32_t lanes_by_masks(const struct mlrt_job *job, const struct mlrt_worker *worker,
+                                             const struct mlrt_packet *packet, uint32_t number, uint32_t lanes)
+{
+    if (packet->has.masks) return mlrt_seeing_lanes(job->tree, number, packet->mask, lanes);
+    return mlrt_is_hidden(job->tree, number, worker->mask) ? 0 : lanes;
+}
+
+/* Returns those of `lanes` that see a triangle: all of them, if no mask hides any. */
+MLRT_INLINE uint32_t lanes_that_see(const struct mlrt_job *job, const struct mlrt_worker *worker,
+                                    const struct mlrt_packet *packet, uint32_t number, uint32_t lanes)
+{
+    if (MLRT_LIKELY(!packet->has.masks && worker->mask == MLRT_MASK_ALL)) return lanes;
+    return lanes_by_masks(job, worker, packet, number, lanes);
+}
 
 /*
  * The lanes, of the vector from v on, that must test triangle `number`: those of `lanes` that do not skip it, and do

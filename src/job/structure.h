@@ -84,9 +84,8 @@ struct mlrt_structure {
     } file;
 
     struct {
-        uint8_t method;         /* the default */
-        uint8_t methods;        /* bit 1 << MLRT_METHOD_* for each that there is */
-        uint8_t filters_leaves; /* kernels hide the triangles of leaves from rays with a common mask */
+        uint8_t method;  /* the default */
+        uint8_t methods; /* bit 1 << MLRT_METHOD_* for each that there is */
         /* Default sides of the tiles that threads claim: of cameras, rows of pixels in arrays, and lists. */
         uint16_t camera_side, row_side, list_side;
         /* For calls without counters, by MLRT_ISA_*. Where there are none, those of the next narrower set serve. */

@@ -261,6 +261,6 @@ int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint
 {
     const int made = source->kind == MLRT_SOURCE_CAMERA ? mlrt_make_view_beam(&source->view, x, y, width, height, beam)
                                                         : make_array_beam(source, x, y, width, height, beam);
-    beam->may_cover = beam->may_cover && !source->has_masks;
+    beam->may_cover = beam->may_cover && !mlrt_has_masks(source);
     return made;
 }

@@ -12,7 +12,6 @@
 #include "hits/triangle_filter.h"
 #include "mlrta/ray_group.h"
 #include "mlrta/setups.h"
-#include "scene/masks.h"
 #include "simd/simd.h"
 
 /* The terms of a triangle for a vector of rays. Index 3 of cross is the normal. */
@@ -121,7 +120,7 @@ static uint32_t test_triangle(const struct mlrt_job *job, uint32_t number, const
                               const struct ray_group *group, uint32_t lanes, struct mlrt_packet *packet,
                               struct mlrt_worker *worker)
 {
-    if (MLRT_UNLIKELY(packet->has.masks)) lanes = mlrt_seeing_lanes(job->tree, number, packet->mask, lanes);
+    lanes = lanes_that_see(job, worker, packet, number, lanes);
     const struct outcome outcome = setup ? filter_lanes(job->tree, number, setup, group, lanes, packet, worker)
                                          : filter_from_anywhere(job->tree, number, group, lanes, packet, worker);
     if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;

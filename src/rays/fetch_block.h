@@ -13,17 +13,15 @@
  * The rays of a camera's block, by the formula of camera.h with the same bits. Those of a pinhole camera are checked,
  * those of a parallel one are not.
  */
-static void get_camera_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
+static void get_camera_packet(const mlrt_camera *view, uint32_t x, uint32_t y, uint32_t lanes,
                               struct mlrt_packet *packet)
 {
-    const mlrt_camera *view = &source->view;
     const int is_parallel = mlrt_is_parallel(view);
     float(*points)[MLRT_PACKET_RAYS] = is_parallel ? packet->origin : packet->direction;
     const vf x0 = v_set1((float)(view->crop_x + x)), y0 = v_set1((float)(view->crop_y + y));
     memcpy(packet->apex, view->eye, sizeof packet->apex);
     packet->has.apex = !is_parallel;
-    packet->has.skip = 0;
-    packet->has.masks = source->has_masks;
+    packet->has.skip = packet->has.masks = 0;
     packet->has.limits = view->t_min > 0;
     struct checked_lanes checked;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
@@ -54,8 +52,7 @@ static void fetch_block(const struct mlrt_source *source, const struct mlrt_rect
                         struct mlrt_packet *packet)
 {
     if (source->kind == MLRT_SOURCE_CAMERA) {
-        get_camera_packet(source, block->x, block->y, lanes, packet);
-        if (MLRT_UNLIKELY(packet->has.masks)) mlrt_fetch_masks(source, block->x, block->y, lanes, packet);
+        get_camera_packet(&source->view, block->x, block->y, lanes, packet);
     } else {
         struct known_mesh known = NO_MESH;
         mlrt_fetch_packet(source, block->x, block->y, lanes, packet);

@@ -37,7 +37,7 @@ struct mlrt_packet_traits {
     int apex; /* all rays start at one point */
     int skip;
     int limits; /* 0 = all t_min are 0 or less, and all t_max are equal */
-    int masks;  /* 0 = the rays see all triangles, or have one mask, which the kernel applies to leaves */
+    int masks;  /* 0 = the rays see all triangles, or have the mask of the worker (job/job.h) */
 };
 
 struct mlrt_packet {

@@ -109,11 +109,10 @@ void mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *poi
     set_extent(source, points->count, points->row_length);
 }
 
-void mlrt_set_masks(const struct mlrt_tree *tree, uint32_t common, int leaves_are_filtered, struct mlrt_source *source)
+void mlrt_set_masks(const struct mlrt_tree *tree, uint32_t common, struct mlrt_source *source)
 {
     if (!tree->masks) source->arrays.mask.data = NULL;
     source->common_mask = tree->masks && !source->arrays.mask.data && common ? common : MLRT_MASK_ALL;
-    source->has_masks = source->arrays.mask.data || (source->common_mask != MLRT_MASK_ALL && !leaves_are_filtered);
 }
 
 /* ---- reading rays ---- */
@@ -206,7 +205,7 @@ void mlrt_begin_packet(const struct mlrt_source *source, struct mlrt_packet *pac
     packet->has.apex = source->kind == MLRT_SOURCE_POINT_LIGHT;
     packet->has.limits = arrays->t_min.data || arrays->t_max.data;
     packet->has.skip = arrays->skip.data != NULL;
-    packet->has.masks = source->has_masks;
+    packet->has.masks = arrays->mask.data != NULL;
     if (packet->has.apex) memcpy(packet->apex, source->light, sizeof packet->apex);
 }
 

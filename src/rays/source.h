@@ -47,16 +47,17 @@ struct mlrt_source {
     float light[3];
     struct mlrt_ray_arrays arrays;
     const struct mlrt_tree *tree; /* `skip` has ids of its meshes */
-    /* Set by mlrt_set_masks. */
-    uint32_t common_mask; /* the mask of all rays, if `mask` has no data */
-    int has_masks;        /* 1 = packets get masks */
+    uint32_t common_mask;         /* the mask of all rays, if `mask` has no data. Set by mlrt_set_masks */
 };
 
-/*
- * Resolves masks; `common` is that of the options. If the triangles of the tree have no masks, the rays get none. If
- * all rays have one mask and `leaves_are_filtered` (the kernel hides triangles of leaves itself), packets get none.
- */
-void mlrt_set_masks(const struct mlrt_tree *tree, uint32_t common, int leaves_are_filtered, struct mlrt_source *source);
+/* Resolves masks; `common` is that of the options. If the triangles of the tree have no masks, the rays get none. */
+void mlrt_set_masks(const struct mlrt_tree *tree, uint32_t common, struct mlrt_source *source);
+
+/* Is there a ray that does not see all triangles? */
+static inline int mlrt_has_masks(const struct mlrt_source *source)
+{
+    return source->arrays.mask.data || source->common_mask != MLRT_MASK_ALL;
+}
 
 /* Make a source of structs that were checked, and resolve strides. The camera is checked here: returns a status. */
 int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *source);
@@ -180,7 +181,7 @@ void mlrt_begin_packet(const struct mlrt_source *source, struct mlrt_packet *pac
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                        struct mlrt_packet *packet);
 
-/* Reads the masks alone, of a source that has some: an array, or one for all rays. */
+/* Reads the masks alone, of a source that has an array of them. */
 void mlrt_fetch_masks(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                       struct mlrt_packet *packet);
 

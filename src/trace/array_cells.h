@@ -163,7 +163,7 @@ static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rect
     struct known_mesh known = NO_MESH;
     const struct mlrt_source *source = &job->source;
     uint32_t there = 0, is_void = 0;
-    if (!job->any || source->has_masks || !mlrt_begin_reading(source, &cells->reader)) return 0;
+    if (!job->any || source->arrays.mask.data || !mlrt_begin_reading(source, &cells->reader)) return 0;
     if (cells->reader.t_min.data || cells->reader.t_max.data) return 0;
     const int is_light = source->kind != MLRT_SOURCE_RAYS;
     cells->area = *area;

@@ -63,7 +63,6 @@
 #include "hits/triangle_filter.h"
 #include "rays/check_packet.h"
 #include "rays/extremes.h"
-#include "scene/masks.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
 #include "trace/single_ray.h"
@@ -513,22 +512,6 @@ MLRT_INLINE uint32_t test_triangle_from_origin(const struct mlrt_job *job, const
     keep_verdict(&verdict, number, v, packet, &outcome);
     if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;
     return outcome.nearer | decide_scaled_lanes(job, number, outcome.undecided, outcome.inside, packet, worker);
-}
-
-/* Returns those of `lanes` whose masks show a triangle. */
-static MLRT_NOINLINE uint32_t lanes_by_masks(const struct mlrt_job *job, const struct mlrt_worker *worker,
-                                             const struct mlrt_packet *packet, uint32_t number, uint32_t lanes)
-{
-    if (packet->has.masks) return mlrt_seeing_lanes(job->tree, number, packet->mask, lanes);
-    return mlrt_is_hidden(job->tree, number, worker->mask) ? 0 : lanes;
-}
-
-/* Returns those of `lanes` that see a triangle: all of them, if no mask hides any. */
-MLRT_INLINE uint32_t lanes_that_see(const struct mlrt_job *job, const struct mlrt_worker *worker,
-                                    const struct mlrt_packet *packet, uint32_t number, uint32_t lanes)
-{
-    if (MLRT_LIKELY(!packet->has.masks && worker->mask == MLRT_MASK_ALL)) return lanes;
-    return lanes_by_masks(job, worker, packet, number, lanes);
 }
 
 /* Tests lanes of one origin against the triangles of a leaf. Returns the lanes with a nearer hit. */

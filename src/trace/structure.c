@@ -98,7 +98,6 @@ const struct mlrt_structure mlrt_structure_bvh = {
              .check = check},
     .tracer = {.method = MLRT_METHOD_TILE,
                .methods = 1u << MLRT_METHOD_RAY | 1u << MLRT_METHOD_TILE,
-               .filters_leaves = 1,
                .camera_side = 128,
                .row_side = 64,   /* a square of tiles */
                .list_side = 256, /* lists are four rays wide */
