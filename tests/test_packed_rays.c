@@ -490,7 +490,7 @@ static void check_lanes_of(const struct mlrt_source *source, const struct mlrt_r
         struct mlrt_ray_segment ray;
         uint32_t skip, valid = 0, safe = 0;
         const uint32_t x = block->x + (uint32_t)mlrt_lane_x[lane], y = block->y + (uint32_t)mlrt_lane_y[lane];
-        if (lanes >> lane & 1) valid = (uint32_t)mlrt_get_ray(source, x, y, &ray, &skip);
+        if (lanes >> lane & 1) valid = (uint32_t)mlrt_get_ray(source, y * source->width + x, &ray, &skip);
         if (valid) safe = (uint32_t)mlrt_is_safe_ray(&ray);
         if (valid && packet->has.skip) assert_int_equal(packet->skip[lane], skip);
         if ((packet->active >> lane & 1) != (valid & safe) || (packet->single >> lane & 1) != (valid & ~safe & 1)) {

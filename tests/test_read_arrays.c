@@ -164,8 +164,7 @@ static void check_packet(const struct array arrays[FIELD_COUNT], const struct ml
         check_words("t_max", ray, last, packet->t_max[lane], layout, group);
         struct mlrt_ray_segment segment;
         uint32_t skip;
-        (void)mlrt_get_ray(source, block->x + (uint32_t)mlrt_lane_x[lane], block->y + (uint32_t)mlrt_lane_y[lane],
-                           &segment, &skip);
+        (void)mlrt_get_ray(source, (uint32_t)ray, &segment, &skip);
         if (packet->has.skip) assert_int_equal(packet->skip[lane], skip);
     }
 }

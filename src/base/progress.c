@@ -77,9 +77,3 @@ int32_t mlrt_end_progress(struct mlrt_progress *progress, int32_t status)
     pthread_mutex_destroy(&progress->mutex);
     return status;
 }
-
-int32_t mlrt_end_nothing(const mlrt_host *host)
-{
-    if (host->progress) (void)host->progress(host->user, 1);
-    return MLRT_OK;
-}

@@ -49,7 +49,4 @@ static inline int mlrt_is_cancelled_in_round(struct mlrt_progress *progress, siz
 /* Tells the host that all is done, if the call's `status` is MLRT_OK. Returns `status`. */
 int32_t mlrt_end_progress(struct mlrt_progress *progress, int32_t status);
 
-/* Tells the host that all is done, for a call that had nothing to do. Returns MLRT_OK. */
-int32_t mlrt_end_nothing(const mlrt_host *host);
-
 #endif

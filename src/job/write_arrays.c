@@ -207,13 +207,6 @@ void mlrt_report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *pa
 
 /* ---- packets ---- */
 
-static size_t lane_offset(uint32_t lane, const struct mlrt_image *image)
-{
-    static const uint8_t columns[MLRT_PACKET_RAYS] = {0, 1, 0, 1, 2, 3, 2, 3, 0, 1, 0, 1, 2, 3, 2, 3};
-    static const uint8_t rows[MLRT_PACKET_RAYS] = {0, 0, 1, 1, 0, 0, 1, 1, 2, 2, 3, 3, 2, 2, 3, 3};
-    return rows[lane] * image->row_stride + columns[lane] * image->stride;
-}
-
 /* The array with the values of channel i of a group. */
 MLRT_INLINE const unsigned char *values_of(const struct mlrt_packet_values *values, const struct mlrt_sink_group *group,
                                            uint32_t i)
@@ -305,7 +298,7 @@ static MLRT_NOINLINE void write_lanes(const struct mlrt_packet_values *values, u
         const unsigned char *from = values_of(values, group, i);
         for (uint32_t left = lanes; left; left &= left - 1) {
             const uint32_t lane = mlrt_lowest_bit(left);
-            memcpy(corner + lane_offset(lane, &group->image), from + 4 * lane, 4);
+            memcpy(corner + mlrt_lane_offset(lane, group->image.stride, group->image.row_stride), from + 4 * lane, 4);
         }
     }
 }
@@ -339,7 +332,7 @@ static MLRT_NOINLINE void write_bytes(const uint8_t bytes[MLRT_PACKET_RAYS], uin
     }
     for (lanes = lanes == 0xFFFF ? 0 : lanes; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
-        corner[lane_offset(lane, image)] = bytes[lane];
+        corner[mlrt_lane_offset(lane, image->stride, image->row_stride)] = bytes[lane];
     }
 }
 

@@ -242,7 +242,8 @@ static int make_array_beam(const struct mlrt_source *source, uint32_t x, uint32_
     for (uint32_t j = y; j < y + height; ++j) {
         for (uint32_t i = x; i < x + width; ++i) {
             struct mlrt_ray_segment ray;
-            if (mlrt_get_ray(source, i, j, &ray, NULL) && !fit_ray(&ray, &bounds, beam)) return 0;
+            uint32_t skip;
+            if (mlrt_get_ray(source, j * source->width + i, &ray, &skip) && !fit_ray(&ray, &bounds, beam)) return 0;
         }
     }
     if (bounds.ray_count == 0) return 0;

@@ -13,6 +13,7 @@
 #ifndef MLRT_RAYS_PACKET_H
 #define MLRT_RAYS_PACKET_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "base/platform.h"
@@ -70,6 +71,12 @@ struct mlrt_scaled_packet {
 
 static const MLRT_ALIGNED(64) float mlrt_lane_x[MLRT_PACKET_RAYS] = {0, 1, 0, 1, 2, 3, 2, 3, 0, 1, 0, 1, 2, 3, 2, 3};
 static const MLRT_ALIGNED(64) float mlrt_lane_y[MLRT_PACKET_RAYS] = {0, 0, 1, 1, 0, 0, 1, 1, 2, 2, 3, 3, 2, 2, 3, 3};
+
+/* Where the element of a lane lies in a block: columns of elements are `step` apart, and rows `row_step`. */
+static inline size_t mlrt_lane_offset(uint32_t lane, size_t step, size_t row_step)
+{
+    return ((lane & 1) | (lane >> 1 & 2)) * step + ((lane >> 1 & 1) | (lane >> 2 & 2)) * row_step;
+}
 
 /* The lanes whose pixels lie in a block of width x height; neither is more than 4. */
 static inline uint32_t mlrt_block_lanes(uint32_t width, uint32_t height)

@@ -16,8 +16,7 @@
 /* The offset of the element of a packet's lane from that of lane 0. */
 MLRT_INLINE size_t offset_of_lane(const struct mlrt_array_layout *layout, int lane)
 {
-    return (size_t)((lane & 1) | (lane >> 1 & 2)) * layout->step +
-           (size_t)((lane >> 1 & 1) | (lane >> 2 & 2)) * layout->row_step;
+    return mlrt_lane_offset((uint32_t)lane, layout->step, layout->row_step);
 }
 
 /*

@@ -26,16 +26,14 @@
  * The length of the step between two elements, as a sum over the axes. It can be a NaN: comparisons with that are
  * false.
  */
-static float step_length(const mlrt_const_array *vectors, size_t from, size_t to)
+static float step_length(const mlrt_const_array *vectors, uint32_t from, uint32_t to)
 {
-    const unsigned char *data = vectors->data;
-    const float *a = (const float *)(const void *)(data + from * vectors->stride);
-    const float *b = (const float *)(const void *)(data + to * vectors->stride);
+    const float *a = mlrt_element(vectors, from), *b = mlrt_element(vectors, to);
     return fabsf(b[0] - a[0]) + fabsf(b[1] - a[1]) + fabsf(b[2] - a[2]);
 }
 
 /* 1 if the step to element `start` is a jump, compared with the steps before and after it. */
-static int jumps_to(const mlrt_const_array *vectors, size_t start)
+static int jumps_to(const mlrt_const_array *vectors, uint32_t start)
 {
     const float jump = step_length(vectors, start - 1, start);
     return jump > JUMP_FACTOR * step_length(vectors, start - 2, start - 1) &&
@@ -56,7 +54,7 @@ static uint32_t find_period(const mlrt_const_array *vectors, uint32_t count)
     if (length < SHORTEST_ROW || count % length || count / length < FEWEST_ROWS) return 0;
     const uint32_t row_count = count / length, row_step = row_count > WITNESS_COUNT ? row_count / WITNESS_COUNT : 1;
     for (uint32_t row = 1; row < row_count; row += row_step) {
-        const size_t start = (size_t)row * length;
+        const uint32_t start = row * length;
         if (!jumps_to(vectors, start)) return 0;
         /* The start of a row must lie close to that of the row before, compared with the length of a row. */
         const float row_distance = step_length(vectors, start - length, start);

@@ -158,26 +158,14 @@ int mlrt_are_alike(const struct mlrt_source *source)
     return 1;
 }
 
-static int get_camera_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray)
+int mlrt_get_ray(const struct mlrt_source *source, uint32_t i, struct mlrt_ray_segment *ray, uint32_t *skip)
 {
-    const mlrt_camera *view = &source->view;
-    float p[3];
-    mlrt_view_point(view, x, y, p);
-    ray->mask = source->common_mask;
-    return mlrt_is_parallel(view) ? mlrt_make_segment(p, view->direction, view->t_min, view->t_max, ray)
-                                  : mlrt_make_segment(view->eye, p, view->t_min, view->t_max, ray);
-}
-
-int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray, uint32_t *skip)
-{
-    const uint64_t position = (uint64_t)y * source->width + x;
     struct mlrt_lone_ray given;
     float room[3];
-    if (skip) *skip = MLRT_NONE;
-    if (source->kind == MLRT_SOURCE_CAMERA) return get_camera_ray(source, x, y, ray);
-    if (position >= source->count) return 0;
-    mlrt_read_ray(source, (uint32_t)position, room, &given);
-    if (skip) *skip = given.skip;
+    *skip = MLRT_NONE;
+    if (i >= source->count) return 0;
+    mlrt_read_ray(source, i, room, &given);
+    *skip = given.skip;
     return mlrt_get_lone_segment(&given, ray);
 }
 
@@ -188,8 +176,7 @@ MLRT_INLINE uint32_t ray_of_lane(const struct mlrt_source *source, uint32_t x, u
                                  uint32_t lane)
 {
     const uint32_t first = lanes ? y * source->width + x : 0;
-    const uint32_t column = (lane & 1) | (lane >> 1 & 2), row = (lane >> 1 & 1) | (lane >> 2 & 2);
-    return first + (lanes >> lane & 1 ? row * source->width + column : 0);
+    return first + (lanes >> lane & 1 ? (uint32_t)mlrt_lane_offset(lane, 1, source->width) : 0);
 }
 
 void mlrt_fetch_masks(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,

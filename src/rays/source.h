@@ -87,11 +87,10 @@ struct mlrt_mesh_range mlrt_find_mesh(const struct mlrt_tree *tree, uint32_t mes
 uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, uint32_t triangle);
 
 /*
- * Reads the ray at (x, y). Returns 0 if it can hit nothing. *skip (may be NULL) receives the number of the triangle
+ * Reads ray i of arrays. Returns 0 if it can hit nothing, or does not exist. *skip receives the number of the triangle
  * that it passes through, or MLRT_NONE.
  */
-int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray,
-                 uint32_t *skip);
+int mlrt_get_ray(const struct mlrt_source *source, uint32_t i, struct mlrt_ray_segment *ray, uint32_t *skip);
 
 /* Element i of an array with a resolved stride. */
 MLRT_INLINE const float *mlrt_element(const mlrt_const_array *array, uint32_t i)

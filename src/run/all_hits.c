@@ -70,14 +70,13 @@ static uint32_t count_crossings(const struct run *run, const struct mlrt_ray_seg
 /* Reads ray i, gathers its hits and writes them. Returns 0 if there was no memory. */
 static int trace_ray(const struct run *run, struct worker *worker, uint32_t i)
 {
-    const struct mlrt_source *source = run->source;
     struct mlrt_hit_list *list = &worker->list;
     mlrt_counters *counters = run->counting ? &worker->counters : NULL;
     struct mlrt_ray_segment ray;
     uint32_t skip;
     list->count = 0;
     ++worker->counters.ray_count;
-    if (mlrt_get_ray(source, i % source->width, i / source->width, &ray, &skip)) {
+    if (mlrt_get_ray(run->source, i, &ray, &skip)) {
         ++worker->counters.packet_count;
         (void)run->tree->structure->tracer.trace_ray(run->tree, &ray, skip, 0, list, counters);
         mlrt_remove_repetitions(list);
@@ -118,7 +117,6 @@ int32_t mlrt_run_all_hits(const struct mlrt_tree *tree, const struct mlrt_source
 {
     struct run run = {.tree = tree, .source = source, .lists = lists, .counting = options->counters != NULL};
     set_arrays(lists, &run);
-    if (source->count == 0) return mlrt_end_nothing(&options->host);
     const uint32_t worker_count = mlrt_worker_count(options->pool);
     const uint32_t item_count = mlrt_item_count(source->count, ITEM_RAYS);
     struct mlrt_memory memory = mlrt_host_memory(&options->host, 0);

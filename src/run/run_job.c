@@ -154,18 +154,19 @@ static int32_t run_items(const struct mlrt_run_options *options, uint32_t item_c
     return mlrt_end_progress(&run->progress, answer ? MLRT_ERROR_CANCELLED : MLRT_OK);
 }
 
-/* Memory for one worker of a call whose rays are one block: it is on the stack of the caller. */
+/* Memory for one worker of a call whose rays are one block, or none: it is on the stack of the caller. */
 struct block_worker {
     struct mlrt_worker worker;
     MLRT_ALIGNED(64) unsigned char share[1024];
 };
 
-static MLRT_NOINLINE int32_t run_block(const struct mlrt_job *job, const struct mlrt_run_options *options)
+static MLRT_NOINLINE int32_t run_block(const struct mlrt_job *job, uint32_t item_count,
+                                       const struct mlrt_run_options *options)
 {
     struct block_worker own;
     struct run run = {.job = job, .workers = &own.worker, .column_count = 1};
     begin_worker(job, own.share, &own.worker);
-    return run_items(options, 1, 1, &run);
+    return run_items(options, item_count, 1, &run);
 }
 
 int32_t mlrt_run_job(struct mlrt_job *job, const struct mlrt_run_options *options)
@@ -173,12 +174,10 @@ int32_t mlrt_run_job(struct mlrt_job *job, const struct mlrt_run_options *option
     mlrt_group_channels(&job->frame);
     const uint32_t columns = mlrt_item_count(job->source.width, job->initial_tile_size);
     const uint64_t item_count = (uint64_t)columns * mlrt_item_count(job->source.height, job->initial_tile_size);
-    if (item_count == 0) return mlrt_end_nothing(&options->host);
-
     const size_t share = lay_out_share(job, NULL, NULL);
-    if (mlrt_is_block(job) && item_count == 1 && share <= sizeof((struct block_worker *)NULL)->share)
-        return run_block(job, options);
-    const uint32_t worker_count = item_count == 1 ? 1 : mlrt_worker_count(options->pool);
+    if (mlrt_is_block(job) && item_count <= 1 && share <= sizeof((struct block_worker *)NULL)->share)
+        return run_block(job, (uint32_t)item_count, options);
+    const uint32_t worker_count = item_count <= 1 ? 1 : mlrt_worker_count(options->pool);
     struct mlrt_memory memory = mlrt_host_memory(&options->host, 0);
     struct run run = {.job = job, .column_count = columns};
     run.workers = mlrt_allocate(&memory, worker_count, sizeof *run.workers + share);
