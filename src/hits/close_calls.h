@@ -84,10 +84,7 @@ MLRT_INLINE void cross_product_of_sizes(const vd a[3], const vd b[3], vd cross[3
 /* Sets p, N and the size of N for the DW lanes from `lane` on. */
 MLRT_INLINE void place_origin(const struct mlrt_packet *packet, uint32_t lane, struct close_triangle *triangle)
 {
-    for (int k = 0; k < 3; ++k) {
-        const vd origin = packet->has.apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
-        triangle->to_a[k] = d_sub(triangle->a[k], origin);
-    }
+    for (int k = 0; k < 3; ++k) triangle->to_a[k] = d_sub(triangle->a[k], origins_in_double(packet, k, lane));
     triangle->n = dot_product_of_doubles(triangle->to_a, triangle->normal);
     triangle->n_size = dot_product_of_sizes(triangle->to_a, triangle->normal_size);
 }
@@ -110,9 +107,9 @@ static MLRT_NOINLINE void bound_quotient(struct close_triangle *triangle, const 
                                          uint32_t lane, struct close_bounds *bounds)
 {
     if (!packet->has.apex) place_origin(packet, lane, triangle);
-    const vd direction[3] = {d_load(packet->direction[0] + lane), d_load(packet->direction[1] + lane),
-                             d_load(packet->direction[2] + lane)};
     const vd error = d_set1(CLOSE_ERROR);
+    vd direction[3];
+    load_directions(packet, lane, direction);
     bounds->d = dot_product_of_doubles(direction, triangle->normal);
     bounds->d_size = dot_product_of_sizes(direction, triangle->normal_size);
     const vd n = d_flip(triangle->n, bounds->d), n_error = d_mul(error, triangle->n_size);
@@ -127,10 +124,9 @@ static MLRT_NOINLINE void bound_quotient(struct close_triangle *triangle, const 
 MLRT_INLINE void bound_edges(const struct close_triangle *triangle, const struct close_bounds *bounds,
                              const struct mlrt_packet *packet, uint32_t lane, vd edge[3], vd bound[3])
 {
-    const vd direction[3] = {d_load(packet->direction[0] + lane), d_load(packet->direction[1] + lane),
-                             d_load(packet->direction[2] + lane)};
     const vd error = d_set1(CLOSE_ERROR), zero = d_set1(0);
-    vd moment[3], moment_size[3];
+    vd direction[3], moment[3], moment_size[3];
+    load_directions(packet, lane, direction);
     cross_product_of_doubles(triangle->to_a, direction, moment);
     cross_product_of_sizes(triangle->to_a, direction, moment_size);
     const vd ab = dot_product_of_doubles(triangle->ab, moment);

@@ -21,24 +21,18 @@ void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct m
     }
 }
 
-static void write_misses(struct mlrt_worker *worker, const struct mlrt_rectangle *area)
-{
-    for (uint32_t i = 0; i < worker->sinks.count; ++i) mlrt_write_misses(area, worker->sinks.each[i]);
-}
-
 /* The last row of a list may be short; it is written by itself. */
 void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *worker,
                                const struct mlrt_rectangle *tile)
 {
-    const uint64_t last = (uint64_t)(tile->y + tile->height - 1) * job->source.width + tile->x;
-    struct mlrt_rectangle part = *tile;
-    if (MLRT_UNLIKELY(last + tile->width > job->source.count)) {
-        const struct mlrt_rectangle row = {tile->x, tile->y + tile->height - 1,
-                                           last < job->source.count ? (uint32_t)(job->source.count - last) : 0, 1};
-        write_misses(worker, &row);
-        --part.height;
+    const uint64_t ray_count = mlrt_count_rays(&job->source, tile);
+    const uint32_t height = (uint32_t)(ray_count / tile->width), left = (uint32_t)(ray_count % tile->width);
+    const struct mlrt_rectangle whole = {tile->x, tile->y, tile->width, height},
+                                row = {tile->x, tile->y + height, left, 1};
+    for (uint32_t i = 0; i < worker->sinks.count; ++i) {
+        mlrt_write_misses(&whole, worker->sinks.each[i]);
+        if (MLRT_UNLIKELY(left)) mlrt_write_misses(&row, worker->sinks.each[i]);
     }
-    write_misses(worker, &part);
 }
 
 void mlrt_write_picture_shadow(const struct mlrt_worker *worker, uint8_t shadow, const struct mlrt_rectangle *tile)

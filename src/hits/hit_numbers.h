@@ -192,12 +192,6 @@ MLRT_INLINE uint32_t round_quotients(vd x, vd width, const struct lane_denominat
     return MLRT_GUESS ? ALL_LANES : d_same_float(ends.low, ends.high);
 }
 
-MLRT_INLINE void load_directions(const struct mlrt_packet *packet, uint32_t lane, vd direction[3])
-{
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) direction[k] = d_load(packet->direction[k] + lane);
-}
-
 /* Sets the numbers of a miss in the lanes outside of `hit`. */
 static MLRT_NOINLINE void report_misses(uint32_t hit, struct mlrt_packet_values *values)
 {
@@ -253,38 +247,29 @@ static uint32_t report_from_apex(const struct mlrt_packet *packet, const struct 
     return reported | positive << 16;
 }
 
-/* Computes the numbers of DW rays, whose origins or triangles differ: those of `lane` and the next ones of `values`. */
-MLRT_INLINE uint32_t report_rays(const struct plane_terms *plane, const vd origin[3], const vd direction[3],
-                                 vd direction_size, uint32_t outputs, uint32_t lane, struct mlrt_packet_values *values)
+/* Computes the numbers of DW lanes of a packet, from `lane` on, whose origins or triangles differ. */
+MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct plane_terms *plane, uint32_t lane,
+                                  double direction_size, uint32_t outputs, struct mlrt_packet_values *values)
 {
-    vd moment[3];
+    vd direction[3], origin[3], moment[3];
     struct lane_denominator denominator;
     struct start_terms start;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) origin[k] = origins_in_double(packet, k, lane);
+    load_directions(packet, lane, direction);
     set_start_terms(plane, origin, outputs, &start);
-    const vd d = fused_dot_product(direction, plane->normal);
-    uint32_t certain = invert_denominator(d, d_mul(plane->normal_size, direction_size), &denominator);
+    const vd d = fused_dot_product(direction, plane->normal), d_size = d_set1(direction_size);
+    uint32_t certain = invert_denominator(d, d_mul(plane->normal_size, d_size), &denominator);
     if (outputs & MLRT_OUTPUT_T) certain &= round_quotients(start.n, start.n_width, &denominator, values->t + lane);
     if (outputs & MLRT_OUTPUT_UV) {
         fused_cross_product(start.p, direction, moment);
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
-            certain &= round_quotients(fused_dot_product(plane->side[i], moment),
-                                       d_mul(start.edge_width[i], direction_size), &denominator, values->uv[i] + lane);
+            certain &= round_quotients(fused_dot_product(plane->side[i], moment), d_mul(start.edge_width[i], d_size),
+                                       &denominator, values->uv[i] + lane);
         }
     }
     return certain << lane | (outputs & MLRT_OUTPUT_FACING ? d_gt(d, d_set1(0)) : 0) << (16 + lane);
-}
-
-/* The same for DW lanes of a packet, from `lane` on. */
-MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct plane_terms *plane, uint32_t lane,
-                                  double direction_size, uint32_t outputs, struct mlrt_packet_values *values)
-{
-    vd direction[3], origin[3];
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k)
-        origin[k] = packet->has.apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
-    load_directions(packet, lane, direction);
-    return report_rays(plane, origin, direction, d_set1(direction_size), outputs, lane, values);
 }
 
 /* Computes the numbers of a packet whose hits are all of one triangle, from different origins. */

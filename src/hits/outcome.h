@@ -61,6 +61,19 @@ MLRT_INLINE void keep_verdict(const struct verdict *verdict, uint32_t number, in
     outcome->inside |= m_bits(verdict->inside) << v;
 }
 
+/* One component of the origins of DW lanes, from `lane` on. */
+MLRT_INLINE vd origins_in_double(const struct mlrt_packet *packet, int k, uint32_t lane)
+{
+    return packet->has.apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
+}
+
+/* The directions of DW lanes, from `lane` on. */
+MLRT_INLINE void load_directions(const struct mlrt_packet *packet, uint32_t lane, vd direction[3])
+{
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) direction[k] = d_load(packet->direction[k] + lane);
+}
+
 /* The lanes whose nearest hit is triangle `number`. */
 MLRT_INLINE uint32_t lanes_of_triangle(const struct mlrt_packet *packet, uint32_t number)
 {

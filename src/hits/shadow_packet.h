@@ -32,29 +32,27 @@ struct shadow_terms {
     uint32_t certain; /* lanes where the conditions on n and H hold */
 };
 
-/* Corners and origins of the lanes that hit a triangle; lanes without a hit have the corners of one that is hit. */
-struct seen_points {
-    MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float origin[3][MLRT_PACKET_RAYS];
-};
-
 MLRT_INLINE vd greatest_of_doubles(const vd a[3])
 {
     return d_max(d_max(d_abs(a[0]), d_abs(a[1])), d_abs(a[2]));
 }
 
-/* Computes the terms of DW lanes. With a directional light, L is 0 for `from`, and the vector to the light is -l. */
-static MLRT_NOINLINE void set_up_shadow_terms(const struct seen_points *points, uint32_t lane,
-                                              const struct mlrt_source *light, struct shadow_terms *terms)
+/*
+ * Computes the terms of DW lanes, whose triangles have these corners (mlrt_gather_corners). With a directional light, L
+ * is 0 for `from`, and the vector to the light is -l.
+ */
+static MLRT_NOINLINE void set_up_shadow_terms(const struct mlrt_packet *seen, float (*corners)[MLRT_PACKET_RAYS],
+                                              uint32_t lane, const struct mlrt_source *light,
+                                              struct shadow_terms *terms)
 {
     const vd is_point = d_set1(light->kind == MLRT_SOURCE_POINT_LIGHT);
     vd ab[3], ac[3], p[3], to_light[3];
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        const vd corner = d_load(points->corners[k] + lane), origin = d_load(points->origin[k] + lane);
+        const vd corner = d_load(corners[k] + lane), origin = origins_in_double(seen, k, lane);
         const vd l = d_set1(light->light[k]);
-        ab[k] = d_sub(d_load(points->corners[3 + k] + lane), corner);
-        ac[k] = d_sub(d_load(points->corners[6 + k] + lane), corner);
+        ab[k] = d_sub(d_load(corners[3 + k] + lane), corner);
+        ac[k] = d_sub(d_load(corners[6 + k] + lane), corner);
         p[k] = d_sub(corner, origin);
         terms->from[k] = d_sub(origin, d_mul(is_point, l));
         to_light[k] = d_sub(d_mul(is_point, corner), l);
@@ -80,8 +78,7 @@ MLRT_INLINE uint32_t make_shadow_vector(const struct shadow_terms *terms, const 
                                         uint32_t *facing, float (*ends)[MLRT_PACKET_RAYS])
 {
     vd d[3], f[3], x[3];
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) d[k] = d_load(seen->direction[k] + lane);
+    load_directions(seen, lane, d);
     const vd steepness = dot_product_of_doubles(d, terms->m), t = d_div(terms->n, steepness);
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
@@ -95,17 +92,6 @@ MLRT_INLINE uint32_t make_shadow_vector(const struct shadow_terms *terms, const 
     *facing = d_gt(d_flip(terms->height, steepness), d_set1(0));
     return terms->certain & d_gt(d_abs(steepness), d_mul(d_set1(MLRT_SHADOW_GRAZING), size_of_doubles(d))) &
            d_gt(size, d_set1(MLRT_SHADOW_LEAST)) & d_gt(d_set1(MLRT_SHADOW_GREATEST), size);
-}
-
-/* Gathers corners and origins of the lanes `hit`. */
-static void get_seen_points(const struct mlrt_tree *tree, const struct mlrt_packet *seen, uint32_t hit,
-                            struct seen_points *points)
-{
-    mlrt_gather_corners(tree, seen, hit, points->corners);
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        for (int k = 0; k < 3; ++k)
-            v_store(points->origin[k] + v, seen->has.apex ? v_set1(seen->apex[k]) : v_load(seen->origin[k] + v));
-    }
 }
 
 /* Sets the terms of `lanes`, of DW, which hit one triangle. */
@@ -167,16 +153,16 @@ static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, con
     const int is_point = light->kind == MLRT_SOURCE_POINT_LIGHT;
     float(*ends)[MLRT_PACKET_RAYS] = is_point ? packet->direction : packet->origin;
     float(*others)[MLRT_PACKET_RAYS] = is_point ? packet->origin : packet->direction;
-    struct seen_points points;
+    MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
     struct shadow_terms terms[PACKET_DOUBLES];
     const uint32_t kept_count =
         seen->has.apex && hits_few_triangles(seen, hit) ? take_surfaces(job, seen, hit, kept, terms) : 0;
     uint32_t certain = 0, facing = 0;
-    if (!kept_count) get_seen_points(job->tree, seen, hit, &points);
+    if (!kept_count) mlrt_gather_corners(job->tree, seen, hit, corners);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         uint32_t vector_facing;
         const uint32_t i = kept_count == 1 ? 0 : lane / DW;
-        if (!kept_count) set_up_shadow_terms(&points, lane, light, &terms[i]);
+        if (!kept_count) set_up_shadow_terms(seen, corners, lane, light, &terms[i]);
         certain |= make_shadow_vector(&terms[i], seen, lane, &vector_facing, ends) << lane;
         facing |= vector_facing << lane;
     }

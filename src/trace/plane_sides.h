@@ -27,8 +27,7 @@ MLRT_INLINE void measure_n(const struct mlrt_plane *plane, const struct mlrt_pac
     n->value = n->size = d_set1(0);
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        const vd origin = packet->has.apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
-        const vd to = d_sub(d_set1(plane->point[k]), origin);
+        const vd to = d_sub(d_set1(plane->point[k]), origins_in_double(packet, k, lane));
         n->value = d_mul_add(to, d_set1(plane->normal[k]), n->value);
         n->size = d_mul_add(d_abs(to), d_set1(plane->size[k]), n->size);
     }
