@@ -1351,7 +1351,7 @@ static void make_cell_of_ends(const float *numbers, int are_parallel, struct mlr
     static float points[CELL_RAYS][3];
     static struct mlrt_source source = {.width = 16, .height = 16, .count = CELL_RAYS};
     static struct mlrt_array_layout layout = {
-        .data = (const unsigned char *)points, .stride = 12, .step = 12, .row_step = 16 * 12, .is_packed = 1};
+        .data = (const unsigned char *)points, .stride = 12, .step = 12, .row_step = 16 * 12};
     for (int i = 0; i < CELL_RAYS; i++) memcpy(points[i], numbers + POINTS + 3 * (i % END_COUNT), sizeof points[i]);
     *cells = (struct mlrt_array_cells){.reader.source = &source, .area = {0, 0, 16, 16}, .vectors = &layout};
     cells->from = numbers + FROM;

@@ -100,12 +100,6 @@ void mlrt_add_counters(mlrt_counters *to, const mlrt_counters *from)
 
 /* ---- rules ---- */
 
-/* Bytes of which addresses and strides of an output are multiples. */
-MLRT_INLINE size_t unit_of_output(const struct mlrt_field *field)
-{
-    return field->most == 1 ? 1 : 4;
-}
-
 /* Floats are looked at by their bits: in the caller's floating-point environment a comparison may trap. */
 #define SIGN_BIT      0x80000000u
 #define INFINITY_BITS 0x7F800000u
@@ -120,25 +114,6 @@ static const uint32_t *find_wrong_float(const struct mlrt_field *field, const ui
         if ((bits[i] & ~SIGN_BIT) > most || (is_cost && bits[i] > SIGN_BIT)) return &bits[i];
     return NULL;
 }
-
-/* Does a field keep its rule? */
-static int is_right_field(const struct mlrt_field *field, int has_rows, const void *at)
-{
-    if (field->kind <= MLRT_FIELD_COUNT) return *(const uint32_t *)at <= field->most;
-    if (field->kind == MLRT_FIELD_SIZE) return *(const size_t *)at <= INT32_MAX;
-    if (field->kind <= MLRT_FIELD_NUMBER) return !find_wrong_float(field, at);
-    if (field->kind == MLRT_FIELD_INPUT) {
-        const mlrt_const_array *array = at;
-        const size_t stride = array->stride == MLRT_STRIDE_ALL ? 0 : array->stride;
-        return !array->data || mlrt_is_right_array(array->data, stride, 4, 0);
-    }
-    const mlrt_array *array = at;
-    const size_t unit = unit_of_output(field), stride = array->stride ? array->stride : field->most;
-    return !array->data || (mlrt_is_right_array(array->data, stride, unit, field->most) &&
-                            (!has_rows || mlrt_is_right_array(array->data, array->row_stride, unit, 0)));
-}
-
-/* ---- broken rules ---- */
 
 /* Where the value stands that breaks a rule, and the status that this has. */
 struct place {
@@ -170,20 +145,20 @@ static MLRT_NOINLINE int32_t fail_array(const struct place *place, const char *w
     return fail_number(place, what, stride, "more than", MLRT_STRIDE_LIMIT);
 }
 
+/* `what` is the first word of a message about the stride. */
+static int32_t check_array(const struct place *place, const char *what, const void *data, size_t stride, size_t unit,
+                           size_t least)
+{
+    const int is_right =
+        ((((uintptr_t)data | stride) & (unit - 1)) == 0) & (stride - least <= MLRT_STRIDE_LIMIT - least);
+    return MLRT_LIKELY(is_right) ? MLRT_OK : fail_array(place, what, data, stride, unit, least);
+}
+
 int32_t mlrt_check_array(const char *path, size_t index, const char *field, const void *data, size_t stride,
                          size_t unit, size_t least)
 {
     const struct place place = {path, index, field, MLRT_ERROR_ARGUMENT};
-    return mlrt_is_right_array(data, stride, unit, least) ? MLRT_OK
-                                                          : fail_array(&place, "stride ", data, stride, unit, least);
-}
-
-static int32_t fail_output(const struct place *place, const struct mlrt_field *field, const mlrt_array *array)
-{
-    const size_t size = field->most, unit = unit_of_output(field), stride = array->stride ? array->stride : size;
-    const int is_row = mlrt_is_right_array(array->data, stride, unit, size);
-    return fail_array(place, is_row ? "row stride " : "stride ", array->data, is_row ? array->row_stride : stride, unit,
-                      is_row ? 0 : size);
+    return check_array(&place, "stride ", data, stride, unit, least);
 }
 
 /* Called from within the library's floating-point environment: a float is converted. */
@@ -204,32 +179,47 @@ static int32_t fail_float(const struct place *place, const struct mlrt_field *fi
                                                            : "a number");
 }
 
-static MLRT_NOINLINE int32_t fail_field(struct place place, const struct mlrt_field *field, const void *at)
+static int32_t check_output(const struct place *place, size_t element_size, int has_rows, const mlrt_array *array)
+{
+    const size_t unit = element_size == 1 ? 1 : 4, stride = array->stride ? array->stride : element_size;
+    const int32_t status = check_array(place, "stride ", array->data, stride, unit, element_size);
+    if (status != MLRT_OK || !has_rows) return status;
+    return check_array(place, "row stride ", array->data, array->row_stride, unit, 0);
+}
+
+static int32_t check_field(struct place *place, const struct mlrt_field *field, int has_rows, const void *at)
 {
     if (field->kind <= MLRT_FIELD_COUNT) {
         const uint32_t number = *(const uint32_t *)at;
         const int is_negative = field->kind == MLRT_FIELD_INTEGER && number > INT32_MAX;
-        return fail_number(&place, is_negative ? "-" : "", is_negative ? 0 - number : number,
+        if (MLRT_LIKELY(number <= field->most)) return MLRT_OK;
+        return fail_number(place, is_negative ? "-" : "", is_negative ? 0 - number : number,
                            field->most ? "not from 0 to" : "not", field->most);
     }
     if (field->kind == MLRT_FIELD_SIZE) {
-        place.status = MLRT_ERROR_TOO_LARGE;
-        return fail_number(&place, "", *(const size_t *)at, "more than", INT32_MAX);
+        if (MLRT_LIKELY(*(const size_t *)at <= INT32_MAX)) return MLRT_OK;
+        place->status = MLRT_ERROR_TOO_LARGE;
+        return fail_number(place, "", *(const size_t *)at, "more than", INT32_MAX);
     }
-    if (field->kind <= MLRT_FIELD_NUMBER) return fail_float(&place, field, find_wrong_float(field, at));
-    if (field->kind == MLRT_FIELD_OUTPUT) return fail_output(&place, field, at);
-    return fail_array(&place, "stride ", ((const mlrt_const_array *)at)->data, ((const mlrt_const_array *)at)->stride,
-                      4, 0);
+    if (field->kind <= MLRT_FIELD_NUMBER) {
+        const uint32_t *wrong = find_wrong_float(field, at);
+        return MLRT_LIKELY(!wrong) ? MLRT_OK : fail_float(place, field, wrong);
+    }
+    const mlrt_const_array *array = at; /* mlrt_array begins like that */
+    if (!array->data) return MLRT_OK;
+    if (field->kind == MLRT_FIELD_OUTPUT) return check_output(place, field->most, has_rows, at);
+    return check_array(place, "stride ", array->data, array->stride == MLRT_STRIDE_ALL ? 0 : array->stride, 4, 0);
 }
 
 int32_t mlrt_check_fields(int number, const char *path, size_t index, const void *own)
 {
     const struct mlrt_form *form = &mlrt_forms[number];
     const struct mlrt_field *field = mlrt_rules_of(form), *end = field + form->rule_count;
-    for (; field < end; ++field) {
-        const void *at = (const unsigned char *)own + field->offset;
-        if (MLRT_LIKELY(is_right_field(field, form->has_rows, at))) continue;
-        return fail_field((struct place){path, index, field->name, form->status}, field, at);
+    struct place place = {path, index, "", form->status};
+    int32_t status = MLRT_OK;
+    for (; status == MLRT_OK && field < end; ++field) {
+        place.field = field->name;
+        status = check_field(&place, field, form->has_rows, (const unsigned char *)own + field->offset);
     }
-    return MLRT_OK;
+    return status;
 }

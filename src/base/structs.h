@@ -39,12 +39,6 @@ int32_t mlrt_check_result_size(int form, const char *path, const void *given);
 int32_t mlrt_check_array(const char *path, size_t index, const char *field, const void *data, size_t stride,
                          size_t unit, size_t least);
 
-/* Does an array keep these rules? `unit` may be a constant. */
-static inline int mlrt_is_right_array(const void *data, size_t stride, size_t unit, size_t least)
-{
-    return ((((uintptr_t)data | stride) & (unit - 1)) == 0) & (stride - least <= MLRT_STRIDE_LIMIT - least);
-}
-
 /* Adds the counts of a worker to those of the caller, as far as its struct_size reaches. */
 void mlrt_add_counters(mlrt_counters *to, const mlrt_counters *from);
 

@@ -336,18 +336,14 @@ static MLRT_NOINLINE uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_
     const uint32_t tied = mlrt_settle_ties(NULL, number, lanes, inside, packet, worker), among = lanes & ~tied;
     uint32_t left = 0, nearer = 0;
     if (among) nearer = decide_by_doubles(tree, number, among, inside, packet, &left);
+    const uint64_t test_count = counters ? counters->undecided_test_count : 0;
+    if (MLRT_UNLIKELY(left)) nearer |= mlrt_decide_lanes(tree, number, left, inside, packet, worker, counters);
     if (counters) {
         counters->tie_lane_count += mlrt_count_bits(tied);
         counters->judged_lane_count += mlrt_count_bits(among & ~left);
-        if (among & ~left) {
-            const uint64_t test_count = counters->undecided_test_count + 1;
-            if (left) nearer |= mlrt_decide_lanes(tree, number, left, inside, packet, worker, counters);
-            counters->undecided_test_count = test_count; /* both parts count as one test */
-            return nearer;
-        }
+        if (among & ~left) counters->undecided_test_count = test_count + 1; /* both parts count as one test */
     }
-    return MLRT_LIKELY(!left) ? nearer
-                              : nearer | mlrt_decide_lanes(tree, number, left, inside, packet, worker, counters);
+    return nearer;
 }
 
 #endif

@@ -115,18 +115,13 @@ int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, u
             nearer = mlrt_offer_in_double(&ray, &triangle, known_inside != 0, nearest == MLRT_NONE ? NULL : &other,
                                           &packet->nearest.lo[lane], &packet->nearest.hi[lane]);
         }
-        if (nearer >= 0) {
-            if (counters) {
-                ++counters->undecided_test_count;
-                ++counters->judged_lane_count;
-            }
-            if (!nearer) continue;
-            packet->nearest.triangle[lane] = number;
-            hit = 1;
-            if (job->any) break;
-            continue;
+        if (nearer < 0) {
+            hit |= mlrt_decide_lanes(job->tree, number, 1u << lane, known_inside, packet, worker, counters);
+        } else {
+            if (nearer) packet->nearest.triangle[lane] = number;
+            hit |= (uint32_t)nearer;
+            if (counters) ++counters->undecided_test_count, ++counters->judged_lane_count;
         }
-        hit |= mlrt_decide_lanes(job->tree, number, 1u << lane, known_inside, packet, worker, counters);
         if (hit && job->any) break;
     }
     return hit != 0;

@@ -9,7 +9,6 @@ static MLRT_NOINLINE void lay_out_array(const mlrt_const_array *array, uint32_t 
     layout->stride = array->data ? array->stride : 0;
     layout->step = group > 1 ? 0 : layout->stride;
     layout->row_step = layout->step * row_length;
-    layout->is_packed = layout->step == 12;
     layout->has_word = 0;
 }
 

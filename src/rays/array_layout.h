@@ -11,7 +11,6 @@ struct mlrt_array_layout {
     size_t stride;   /* between elements; 0: all rays share one */
     size_t step;     /* between neighbours in a row of a block; 0: they share one element */
     size_t row_step; /* between the rows of a block */
-    int is_packed;   /* the step is 12, so that vectors of three floats follow each other without a gap */
     int has_word;    /* the word behind each element belongs to another array, so it may be read too */
 };
 

@@ -11,57 +11,25 @@
 #include "rays/source.h"
 #include "simd/simd.h"
 
-/* What a check found of vectors, one in each lane. */
-struct checked_vectors {
-    vf size;      /* the greatest magnitude of a component; NaNs are ignored */
-    vm is_finite; /* all components are finite */
-    vm is_safe;   /* all components are float-safe: 0 or of magnitude 2^-60 .. 2^60 */
-};
-
-MLRT_INLINE struct checked_vectors check_vectors(const vf a[3])
-{
-    const vf zero = v_set1(0);
-    struct checked_vectors checked = {zero, v_eq(zero, zero), v_eq(zero, zero)};
-    vf zero_or_nan = zero; /* NaN where a component is not finite */
-    for (int k = 0; k < 3; ++k) {
-        const vf size = v_abs(a[k]);
-        checked.is_safe = m_and(checked.is_safe, m_or(v_eq(a[k], zero), v_ge(size, v_set1(MLRT_SAFE_MIN))));
-        checked.size = v_max(size, checked.size);
-        zero_or_nan = v_mul_add(a[k], zero, zero_or_nan);
-    }
-    checked.is_safe = m_and(checked.is_safe, v_le(checked.size, v_set1(MLRT_SAFE_MAX)));
-    checked.is_finite = v_eq(zero_or_nan, zero);
-    return checked;
-}
-
 /*
- * A faster check of many vectors at once, which passes if all components are of usual magnitude: lane by lane, the
- * least magnitude of a component, and the sum of all magnitudes. A NaN makes the sum a NaN, which fails the check.
+ * 1 if all components of sixteen vectors surely are of magnitude 2^-60 .. 2^60, which is usual: a fast check of all
+ * lanes at once. A NaN makes the sum a NaN, which fails the check.
  */
-struct usual_vectors {
-    vf least;
-    vf sum;
-};
-
-#define NO_VECTORS ((struct usual_vectors){v_set1(INFINITY), v_set1(0)})
-
-MLRT_INLINE void add_usual_vectors(const vf a[3], struct usual_vectors *all)
+MLRT_INLINE int are_usual(float (*rows)[MLRT_PACKET_RAYS])
 {
-    const vf x = v_abs(a[0]), y = v_abs(a[1]), z = v_abs(a[2]);
-    all->least = v_min(v_min(v_min(x, y), z), all->least);
-    all->sum = v_add(v_add(v_add(x, y), z), all->sum);
-}
-
-/* 1 if all components surely are of magnitude 2^-60 .. 2^60. */
-MLRT_INLINE int are_usual(const struct usual_vectors *all)
-{
-    const vm small = v_le(all->sum, v_set1(MLRT_SAFE_MAX)), large = v_ge(all->least, v_set1(MLRT_SAFE_MIN));
+    vf least = v_set1(INFINITY), sum = v_set1(0);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf x = v_abs(v_load(rows[0] + v)), y = v_abs(v_load(rows[1] + v)), z = v_abs(v_load(rows[2] + v));
+        least = v_min(v_min(v_min(x, y), z), least);
+        sum = v_add(v_add(v_add(x, y), z), sum);
+    }
+    const vm small = v_le(sum, v_set1(MLRT_SAFE_MAX)), large = v_ge(least, v_set1(MLRT_SAFE_MIN));
     return MLRT_LIKELY(m_bits(m_and(small, large)) == ALL_LANES);
 }
 
 /*
- * The lanes whose vectors are finite, float-safe, and not 0. A ray can hit a triangle only if its origin and direction
- * are finite and its direction is not 0.
+ * The lanes whose vectors are finite, float-safe (0 or of magnitude 2^-60 .. 2^60), and not 0. A ray can hit a triangle
+ * only if its origin and direction are finite and its direction is not 0.
  */
 struct checked_lanes {
     uint32_t finite;
@@ -69,28 +37,25 @@ struct checked_lanes {
     uint32_t nonzero;
 };
 
-MLRT_INLINE void add_checked_vectors(const struct checked_vectors *checked, int v, struct checked_lanes *lanes)
-{
-    lanes->finite |= m_bits(checked->is_finite) << v;
-    lanes->safe |= m_bits(checked->is_safe) << v;
-    lanes->nonzero |= m_bits(v_gt(checked->size, v_set1(0))) << v;
-}
-
 /* Checks the vectors of all lanes: together, and only if that fails, each of them. */
 static MLRT_NOINLINE void check_lanes(float (*rows)[MLRT_PACKET_RAYS], struct checked_lanes *lanes)
 {
-    struct usual_vectors all = NO_VECTORS;
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vf a[3] = {v_load(rows[0] + v), v_load(rows[1] + v), v_load(rows[2] + v)};
-        add_usual_vectors(a, &all);
-    }
+    const vf zero = v_set1(0);
     *lanes = (struct checked_lanes){0xFFFF, 0xFFFF, 0xFFFF};
-    if (are_usual(&all)) return;
+    if (are_usual(rows)) return;
     *lanes = (struct checked_lanes){0, 0, 0};
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vf a[3] = {v_load(rows[0] + v), v_load(rows[1] + v), v_load(rows[2] + v)};
-        const struct checked_vectors checked = check_vectors(a);
-        add_checked_vectors(&checked, v, lanes);
+        vm is_safe = v_eq(zero, zero);
+        vf greatest = zero, zero_or_nan = zero; /* NaNs are ignored; NaN where a component is not finite */
+        for (int k = 0; k < 3; ++k) {
+            const vf a = v_load(rows[k] + v), size = v_abs(a);
+            is_safe = m_and(is_safe, m_or(v_eq(a, zero), v_ge(size, v_set1(MLRT_SAFE_MIN))));
+            greatest = v_max(size, greatest);
+            zero_or_nan = v_mul_add(a, zero, zero_or_nan);
+        }
+        lanes->finite |= m_bits(v_eq(zero_or_nan, zero)) << v;
+        lanes->safe |= m_bits(m_and(is_safe, v_le(greatest, v_set1(MLRT_SAFE_MAX)))) << v;
+        lanes->nonzero |= m_bits(v_gt(greatest, zero)) << v;
     }
 }
 

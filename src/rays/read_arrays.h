@@ -68,13 +68,14 @@ static MLRT_NOINLINE void read_vectors(const struct mlrt_array_layout *layout, c
                                        const float *from, float (*rows)[MLRT_PACKET_RAYS], float *fourth)
 {
     const float *one = (const float *)(const void *)first;
-    if (!layout->is_packed && layout->step) {
+    const int is_packed = layout->step == 12; /* vectors follow each other without a gap */
+    if (!is_packed && layout->step) {
         read_vectors_apart(layout, first, from, rows, fourth);
         return;
     }
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vf words[3] = {v_set1(one[0]), v_set1(one[1]), v_set1(one[2])};
-        if (layout->is_packed) v_triples(first + offset_of_lane(layout, v), layout->row_step, words);
+        if (is_packed) v_triples(first + offset_of_lane(layout, v), layout->row_step, words);
         MLRT_UNROLL
         for (int k = 0; k < 3; ++k) v_store(rows[k] + v, from ? v_sub(words[k], v_set1(from[k])) : words[k]);
         if (fourth) v_store(fourth + v, v_set1(one[3]));
