@@ -31,17 +31,10 @@ int32_t mlrt_take_options(const mlrt_trace_options *given, struct mlrt_call *cal
     call->options = &call->own;
     call->run.pool = call->own.pool;
     call->run.counters = call->own.counters;
-    status = mlrt_take_host("options.host", call->own.host, &call->run.host);
+    status = mlrt_take_host("options.host", call->own.host, &call->run.voice.host);
     if (status != MLRT_OK || !counters) return status;
     status = mlrt_check_result_size(MLRT_STRUCT_COUNTERS, "options.counters", counters);
     return status == MLRT_OK ? mlrt_check_fields(MLRT_STRUCT_COUNTERS, "options.counters", 0, counters) : status;
-}
-
-int32_t mlrt_end_traced(const struct mlrt_call *call, int32_t status)
-{
-    if (status == MLRT_OK) return status;
-    const struct mlrt_voice voice = {.host = call->run.host};
-    return mlrt_end_call(&voice, status);
 }
 
 int32_t mlrt_check_options(const mlrt_trace_options *options, int is_picture)

@@ -52,9 +52,6 @@ struct mlrt_call {
 /* Takes options (NULL = defaults). What depends on the kind of call is left to the next two functions. */
 int32_t mlrt_take_options(const mlrt_trace_options *given, struct mlrt_call *call);
 
-/* Ends a call that took options: the message of a failed call goes to the log of its host. Returns `status`. */
-int32_t mlrt_end_traced(const struct mlrt_call *call, int32_t status);
-
 /* Checks rules between fields. Only pictures take lights. */
 int32_t mlrt_check_options(const mlrt_trace_options *options, int is_picture);
 

@@ -138,11 +138,11 @@ MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays,
     if (status == MLRT_OK) status = mlrt_take_rays(&rays, &own_rays);
     if (status == MLRT_OK) status = mlrt_take_hits(&hits, &own_hits);
     if (status == MLRT_OK) status = mlrt_check_hits("hits", hits, call.options, 0, !rays->count || call.run.counters);
-    if (status != MLRT_OK) return mlrt_end_traced(&call, status);
+    if (status != MLRT_OK) return mlrt_end_call(&call.run.voice, status);
     mlrt_make_ray_source(tree, rays, &job.source);
     if (!rays->row_length && rays->count > MLRT_PACKET_RAYS)
         mlrt_set_rows(mlrt_find_row_length(&job.source), &job.source);
-    return mlrt_end_traced(&call, run_list(tree, &call, hits, &job));
+    return mlrt_end_call(&call.run.voice, run_list(tree, &call, hits, &job));
 }
 
 /* The t_max of a ray. Its bits are looked at, as the caller's floating-point environment may take a denormal for 0. */
@@ -307,12 +307,12 @@ MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *ray
     if (status == MLRT_OK) status = mlrt_take_rays(&rays, &own_rays);
     if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_HIT_LISTS, "lists", 0, lists, &own_lists);
     if (status == MLRT_OK) status = mlrt_check_lists(&own_lists, !rays->count || call.run.counters);
-    if (status != MLRT_OK) return mlrt_end_traced(&call, status);
+    if (status != MLRT_OK) return mlrt_end_call(&call.run.voice, status);
     struct mlrt_job job;
     mlrt_make_ray_source(tree, rays, &job.source);
     status = resolve_options(tree, call.options, &job);
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_all_hits(tree, &job.source, &own_lists, &call.run));
-    return mlrt_end_traced(&call, status);
+    return mlrt_end_call(&call.run.voice, status);
 }
 
 /* Makes a job for each light: as that of the picture, but for any hit, and without results of its own. */
@@ -363,13 +363,13 @@ MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *cam
         status = mlrt_check_hits("frame", &own_frame, call.options, call.options->light_count != 0,
                                  callback || call.run.counters);
     }
-    if (status != MLRT_OK) return mlrt_end_traced(&call, status);
+    if (status != MLRT_OK) return mlrt_end_call(&call.run.voice, status);
     struct mlrt_job job, light_jobs[MLRT_LIGHT_LIMIT];
     MLRT_COMPUTE(status = make_render_job(tree, &own_camera, &call, &own_frame, &job, light_jobs));
     job.callback.function = callback;
     job.callback.user = user;
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
-    return mlrt_end_traced(&call, status);
+    return mlrt_end_call(&call.run.voice, status);
 }
 
 static float *vector_at(const mlrt_array *array, uint32_t width, uint32_t i, uint32_t j)
@@ -427,11 +427,11 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
     if (status == MLRT_OK) status = mlrt_take_points(points, &own_points);
     if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_LIGHT, "light", 0, light, &own_light);
     if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_BYTES, "occluded", 0, occluded);
-    if (status != MLRT_OK) return mlrt_end_traced(&call, status);
+    if (status != MLRT_OK) return mlrt_end_call(&call.run.voice, status);
     struct mlrt_job job;
     const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = *occluded};
     mlrt_make_light_source(tree, &own_points, &own_light, &job.source);
-    return mlrt_end_traced(&call, run_list(tree, &call, &hits, &job));
+    return mlrt_end_call(&call.run.voice, run_list(tree, &call, &hits, &job));
 }
 
 /* Sets *number to that of a triangle in the tree. Returns a status: there must be one. */

@@ -46,8 +46,8 @@ void mlrt_log(const struct mlrt_voice *voice, int32_t level, const char *format,
 
 int32_t mlrt_end_call(const struct mlrt_voice *voice, int32_t status)
 {
-    char line[MLRT_MESSAGE_SIZE], *message = mlrt_message_of_thread();
     if (status == MLRT_OK) return status;
+    char line[MLRT_MESSAGE_SIZE], *message = mlrt_message_of_thread();
     snprintf(line, sizeof line, "%s", message);
     if (voice->message && voice->message_size) snprintf(voice->message, voice->message_size, "%s", line);
     send(voice, status == MLRT_ERROR_CANCELLED ? MLRT_LOG_INFO : MLRT_LOG_ERROR, line);

@@ -22,7 +22,7 @@ struct mlrt_voice {
 struct mlrt_run_options {
     mlrt_pool *pool;         /* NULL = the calling thread alone */
     mlrt_counters *counters; /* NULL = nothing is counted */
-    mlrt_host host;          /* checked; all 0 = no host */
+    struct mlrt_voice voice; /* all 0 = no host */
 };
 
 /*

@@ -191,7 +191,7 @@ MLRT_INLINE struct close_verdict test_lanes(const struct close_triangle *triangl
 
 /*
  * Compares the distances of a triangle, bounded by `of_triangle`, with those of triangle `nearest`, the nearest hit so
- * far of all `lanes`. Returns the lanes where the first is surely nearer; *farther receives those where it surely is
+ * far of all `lanes`. Returns the lanes where the first is surely nearer, and adds to *farther those where it surely is
  * farther.
  */
 static MLRT_NOINLINE uint32_t compare_with_nearest(const struct mlrt_tree *tree, uint32_t nearest,
@@ -200,23 +200,21 @@ static MLRT_NOINLINE uint32_t compare_with_nearest(const struct mlrt_tree *tree,
 {
     struct close_triangle triangle;
     uint32_t nearer = 0;
-    *farther = 0;
     const struct mlrt_triangle given = mlrt_triangle_at(&tree->by_number, nearest);
     set_close_triangle(&given, packet, &triangle);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         struct close_bounds other;
-        if (!(lanes >> lane & DOUBLE_LANES)) continue;
+        const uint32_t among = lanes >> lane & DOUBLE_LANES;
+        if (!among) continue;
         bound_quotient(&triangle, packet, lane, &other);
         const struct close_bounds *bounds = &of_triangle[lane / DW];
         const vd zero = d_set1(0);
-        const uint32_t certain = d_gt(bounds->least_d, zero) & d_gt(other.least_d, zero);
+        const uint32_t certain = among & d_gt(bounds->least_d, zero) & d_gt(other.least_d, zero);
         nearer |= (certain & d_gt(d_mul(other.least_n, bounds->least_d), d_mul(bounds->greatest_n, other.greatest_d)))
                   << lane;
         *farther |= (certain & d_gt(d_mul(bounds->least_n, other.least_d), d_mul(other.greatest_n, bounds->greatest_d)))
                     << lane;
     }
-    nearer &= lanes;
-    *farther &= lanes;
     return nearer;
 }
 
@@ -225,15 +223,11 @@ MLRT_INLINE uint32_t compare_with_all_nearest(const struct mlrt_tree *tree, cons
                                               uint32_t lanes, const struct close_bounds *of_triangle, uint32_t *farther)
 {
     uint32_t nearer = 0;
-    *farther = 0;
     while (lanes) {
         const uint32_t nearest = packet->nearest.triangle[mlrt_lowest_bit(lanes)];
         const uint32_t same = lanes & lanes_of_triangle(packet, nearest);
-        uint32_t behind;
         lanes &= ~same;
-        if (nearest == MLRT_NONE) continue;
-        nearer |= compare_with_nearest(tree, nearest, packet, same, of_triangle, &behind);
-        *farther |= behind;
+        if (nearest != MLRT_NONE) nearer |= compare_with_nearest(tree, nearest, packet, same, of_triangle, farther);
     }
     return nearer;
 }
@@ -267,13 +261,12 @@ MLRT_INLINE void keep_close_hits(uint32_t number, uint32_t nearer, const struct 
 /*
  * Decides `lanes` that have no hit yet, and surely hit the triangle unless they end before it. Rays from a light often
  * end in the plane of a wall; if that plane is across an axis, mlrt_reaches_flat decides whether they reach the
- * triangle. Returns the lanes that reach it; *passed receives those that end before it. Other lanes remain undecided.
+ * triangle. Returns the lanes that reach it, and adds to *passed those that end before it. Other lanes remain undecided.
  */
 static MLRT_NOINLINE uint32_t find_lanes_at_end(const struct mlrt_triangle *triangle, const struct mlrt_packet *packet,
                                                 uint32_t lanes, uint32_t *passed)
 {
     uint32_t reached = 0;
-    *passed = 0;
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
         struct mlrt_ray_segment ray;

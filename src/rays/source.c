@@ -145,19 +145,6 @@ uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, ui
     return triangle < mesh.count ? mesh.first + triangle : MLRT_NONE;
 }
 
-int mlrt_are_alike(const struct mlrt_source *source)
-{
-    if (source->kind != MLRT_SOURCE_RAYS) return 1;
-    const float *a = mlrt_element(&source->arrays.directions, 0);
-    const float size = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
-    for (uint32_t i = 1; i < source->count; ++i) {
-        const float *b = mlrt_element(&source->arrays.directions, i);
-        const float dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        if (!(dot > 0 && 2 * dot * dot > size * (b[0] * b[0] + b[1] * b[1] + b[2] * b[2]))) return 0;
-    }
-    return 1;
-}
-
 int mlrt_get_ray(const struct mlrt_source *source, uint32_t i, struct mlrt_ray_segment *ray, uint32_t *skip)
 {
     struct mlrt_lone_ray given;

@@ -148,9 +148,6 @@ MLRT_INLINE void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, flo
     if (pair[0] != MLRT_NONE) ray->skip = mlrt_triangle_number(source->tree, pair[0], pair[1]);
 }
 
-/* Are the directions of rays of arrays, of which there is one at least, less than 45 degrees from the first one? */
-int mlrt_are_alike(const struct mlrt_source *source);
-
 /* 1 if float arithmetic carries the vector, or the ray, without overflow or loss (packet.h). */
 int mlrt_are_float_safe(const float vector[3]);
 

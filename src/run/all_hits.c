@@ -119,11 +119,11 @@ int32_t mlrt_run_all_hits(const struct mlrt_tree *tree, const struct mlrt_source
     set_arrays(lists, &run);
     const uint32_t worker_count = mlrt_worker_count(options->pool);
     const uint32_t item_count = mlrt_item_count(source->count, ITEM_RAYS);
-    struct mlrt_memory memory = mlrt_host_memory(&options->host, 0);
+    struct mlrt_memory memory = mlrt_host_memory(&options->voice.host, 0);
     run.workers = mlrt_allocate_zeroed(&memory, worker_count, sizeof *run.workers);
     if (!run.workers) return MLRT_ERROR_OUT_OF_MEMORY;
     for (uint32_t w = 0; w < worker_count; ++w) run.workers[w].list.memory = memory;
-    mlrt_begin_progress(&options->host, item_count, &run.progress);
+    mlrt_begin_progress(&options->voice.host, item_count, &run.progress);
     const int32_t status = mlrt_run_items(options->pool, item_count, run_item, &run);
     for (uint32_t w = 0; w < worker_count; ++w) {
         if (options->counters) mlrt_add_counters(options->counters, &run.workers[w].counters);

@@ -59,12 +59,26 @@ void mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_
 #define MOST_OTHERS(width) (12 + 16 / (width))
 #define FEW_NODES          64
 
+/* Are the directions of rays, of which there is one at least, less than 45 degrees from the first one? */
+static int are_alike(const struct mlrt_source *source)
+{
+    if (source->kind != MLRT_SOURCE_RAYS) return 1;
+    const float *a = mlrt_element(&source->arrays.directions, 0);
+    const float size = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+    for (uint32_t i = 1; i < source->count; ++i) {
+        const float *b = mlrt_element(&source->arrays.directions, i);
+        const float dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        if (!(dot > 0 && 2 * dot * dot > size * (b[0] * b[0] + b[1] * b[1] + b[2] * b[2]))) return 0;
+    }
+    return 1;
+}
+
 /* Is it faster to trace the rays together, if they meet the scene? */
 static int should_go_together(const struct mlrt_job *job)
 {
     const uint32_t count = job->source.count, width = job->kernels->width;
     if (count <= MOST_ALIKE(width)) return 0;
-    return (count > MOST_OTHERS(width) && job->tree->bvh.node_count <= FEW_NODES) || mlrt_are_alike(&job->source);
+    return (count > MOST_OTHERS(width) && job->tree->bvh.node_count <= FEW_NODES) || are_alike(&job->source);
 }
 
 /* As mlrt_trace_few_rays, where no worker is needed. */
@@ -89,7 +103,7 @@ int mlrt_trace_few_rays(const struct mlrt_job *job, const struct mlrt_run_option
 {
     int is_done;
     if (!mlrt_is_block(job) || !job->source.count || job->method != MLRT_METHOD_TILE || options->counters ||
-        options->host.progress)
+        options->voice.host.progress)
         return 0;
     MLRT_COMPUTE(is_done = trace_few_rays(job, list));
     return is_done;

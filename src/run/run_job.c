@@ -145,8 +145,8 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
 static int32_t run_items(const struct mlrt_run_options *options, uint32_t item_count, uint32_t worker_count,
                          struct run *run)
 {
-    mlrt_begin_progress(&options->host, (double)run->job->source.width * run->job->source.height, &run->progress);
-    for (uint32_t w = 0; options->host.progress && w < worker_count; ++w)
+    mlrt_begin_progress(&options->voice.host, (double)run->job->source.width * run->job->source.height, &run->progress);
+    for (uint32_t w = 0; options->voice.host.progress && w < worker_count; ++w)
         run->workers[w].watch.progress = &run->progress;
     const int32_t answer = mlrt_run_items(options->pool, item_count, run_item, run);
     for (uint32_t w = 0; options->counters && w < worker_count; ++w)
@@ -178,7 +178,7 @@ int32_t mlrt_run_job(struct mlrt_job *job, const struct mlrt_run_options *option
     if (mlrt_is_block(job) && item_count <= 1 && share <= sizeof((struct block_worker *)NULL)->share)
         return run_block(job, (uint32_t)item_count, options);
     const uint32_t worker_count = item_count <= 1 ? 1 : mlrt_worker_count(options->pool);
-    struct mlrt_memory memory = mlrt_host_memory(&options->host, 0);
+    struct mlrt_memory memory = mlrt_host_memory(&options->voice.host, 0);
     struct run run = {.job = job, .column_count = columns};
     run.workers = mlrt_allocate(&memory, worker_count, sizeof *run.workers + share);
     if (!run.workers) return MLRT_ERROR_OUT_OF_MEMORY;
