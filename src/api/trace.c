@@ -249,19 +249,6 @@ static MLRT_NOINLINE int32_t trace_skipping_ray(const mlrt_tree *tree, const mlr
     return kernels->trace_ray(tree, lone, hit);
 }
 
-/* Traces a ray of a usual call that meets the box of the scene. The caller restores *environment. */
-MLRT_INLINE int32_t trace_usual_ray(const mlrt_tree *tree, struct mlrt_lone_ray *lone, mlrt_hit *hit,
-                                    const mlrt_ray *ray, const mlrt_trace_options *options,
-                                    const mlrt_fp_environment *environment)
-{
-    const struct mlrt_kernels *kernels = mlrt_known_kernels(tree->structure, options ? options->isa : MLRT_ISA_AUTO);
-    if (MLRT_UNLIKELY(!kernels)) return trace_after_all(tree, ray, options, environment, hit);
-    set_lone_ray(ray, options, lone);
-    lone->skip = MLRT_NONE;
-    if (ray->flags) return trace_skipping_ray(tree, ray, kernels, lone, hit);
-    return kernels->trace_ray(tree, lone, hit);
-}
-
 /* Is this a call as most programs make it, for one ray through boxes whose unit is 1? A kd-tree has a unit of 0. */
 MLRT_INLINE int is_usual_call(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                               const mlrt_hit *hit)
@@ -278,19 +265,21 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
 {
     struct mlrt_lone_ray lone;
     mlrt_fp_environment environment;
-    int32_t status;
+    int32_t status = MLRT_OK;
     if (MLRT_UNLIKELY(!is_usual_call(tree, ray, options, hit) || !mlrt_has_usual_fp_environment(&environment)))
         return trace_any_ray(tree, ray, options, hit);
-    switch (mlrt_take_lone_ray(&tree->bvh.whole, ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &lone)) {
-    case MLRT_LONE_RAY_MISSES:
+    const enum mlrt_lone_ray_kind kind =
+        mlrt_take_lone_ray(&tree->bvh.whole, ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &lone);
+    if (kind == MLRT_LONE_RAY_NOT_CARRIED) return trace_after_all(tree, ray, options, &environment, hit);
+    if (kind == MLRT_LONE_RAY_MISSES) {
         mlrt_set_miss(options ? options->query : 0, hit);
-        status = MLRT_OK;
-        break;
-    case MLRT_LONE_RAY_MAY_HIT:
-        status = trace_usual_ray(tree, &lone, hit, ray, options, &environment);
-        break;
-    default:
-        return trace_after_all(tree, ray, options, &environment, hit);
+    } else {
+        const int32_t isa = options ? options->isa : MLRT_ISA_AUTO;
+        const struct mlrt_kernels *kernels = mlrt_known_kernels(tree->structure, isa);
+        if (MLRT_UNLIKELY(!kernels)) return trace_after_all(tree, ray, options, &environment, hit);
+        set_lone_ray(ray, options, &lone);
+        lone.skip = MLRT_NONE;
+        status = ray->flags ? trace_skipping_ray(tree, ray, kernels, &lone, hit) : kernels->trace_ray(tree, &lone, hit);
     }
     mlrt_leave_fp_environment(&environment);
     return status;

@@ -6,11 +6,7 @@
  */
 #include "rays/source.h"
 
-#include <math.h>
 #include <string.h>
-
-#include "exact/nearest.h"
-#include "simd/quad.h"
 
 /* ---- making sources ---- */
 
