@@ -49,16 +49,13 @@ void mlrt_find_surface(const struct mlrt_source *light, const struct mlrt_triang
     surface->height_size = size_of(to_light);
 }
 
-const struct mlrt_surface *mlrt_look_up_surface(const struct mlrt_job *light, uint32_t number, const float eye[3],
-                                                struct mlrt_kept_surface table[MLRT_KEPT_SURFACES])
+void mlrt_keep_surface(const struct mlrt_job *light, uint32_t number, const float eye[3],
+                       struct mlrt_kept_surface *kept)
 {
-    struct mlrt_kept_surface *kept = &table[number % MLRT_KEPT_SURFACES];
-    if (kept->number == number && kept->light == light) return &kept->surface;
     const struct mlrt_triangle triangle = mlrt_triangle_at(&light->tree->by_number, number);
     mlrt_find_surface(&light->source, &triangle, eye, &kept->surface);
     kept->light = light;
     kept->number = number;
-    return &kept->surface;
 }
 
 /*

@@ -76,9 +76,19 @@ struct mlrt_kept_surface {
 /* Triangle `number` has the entry number % MLRT_KEPT_SURFACES. */
 #define MLRT_KEPT_SURFACES 64
 
-/* Returns the terms of a triangle for the light of a job, from the table; if they are not there, keeps them. */
-const struct mlrt_surface *mlrt_look_up_surface(const struct mlrt_job *light, uint32_t number, const float eye[3],
-                                                struct mlrt_kept_surface table[MLRT_KEPT_SURFACES]);
+/* Finds the terms of a triangle for the light of a job, and keeps them. */
+void mlrt_keep_surface(const struct mlrt_job *light, uint32_t number, const float eye[3],
+                       struct mlrt_kept_surface *kept);
+
+/* Returns the terms of a triangle for the light of a job, from the table if they are there. */
+static inline const struct mlrt_surface *mlrt_look_up_surface(const struct mlrt_job *light, uint32_t number,
+                                                              const float eye[3],
+                                                              struct mlrt_kept_surface table[MLRT_KEPT_SURFACES])
+{
+    struct mlrt_kept_surface *kept = &table[number % MLRT_KEPT_SURFACES];
+    if (kept->number != number || kept->light != light) mlrt_keep_surface(light, number, eye, kept);
+    return &kept->surface;
+}
 
 /* Do the conditions on n and H hold? */
 static inline int mlrt_is_certain_surface(const struct mlrt_surface *surface)

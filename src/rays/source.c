@@ -113,11 +113,6 @@ void mlrt_set_masks(const struct mlrt_tree *tree, uint32_t common, struct mlrt_s
 
 /* ---- reading rays ---- */
 
-int mlrt_are_float_safe(const float vector[3])
-{
-    return mlrt_is_float_safe(vector[0]) && mlrt_is_float_safe(vector[1]) && mlrt_is_float_safe(vector[2]);
-}
-
 struct mlrt_mesh_range mlrt_find_mesh(const struct mlrt_tree *tree, uint32_t mesh_id)
 {
     const struct mlrt_mesh_range none = {0, 0};

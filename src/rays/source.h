@@ -149,7 +149,10 @@ MLRT_INLINE void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, flo
 }
 
 /* 1 if float arithmetic carries the vector, or the ray, without overflow or loss (packet.h). */
-int mlrt_are_float_safe(const float vector[3]);
+static inline int mlrt_are_float_safe(const float vector[3])
+{
+    return mlrt_is_float_safe(vector[0]) && mlrt_is_float_safe(vector[1]) && mlrt_is_float_safe(vector[2]);
+}
 
 static inline int mlrt_is_safe_ray(const struct mlrt_ray_segment *ray)
 {
