@@ -601,21 +601,28 @@ static double attack_filter_t_floor(const float *input)
 static int load_single(const float *input, int is_any, struct float_test *test)
 {
     static struct lanes_search search;
-    struct single_ray ray = {.reach = 0};
+    vf term[SIDE_TERMS], to[3], d[3];
     double direction[3];
+    search.reach = 0;
     for (int k = 0; k < 3; ++k) {
-        ray.origin[k] = search.origin[k] = input[9 + k];
-        ray.direction[k] = input[12 + k];
-        ray.reach = fmaxf(4 * fabsf(input[12 + k]), ray.reach);
+        search.origin[k] = input[9 + k];
+        d[k] = input[12 + k];
+        search.reach = fmaxf(4 * fabsf(input[12 + k]), search.reach);
     }
-    set_single_test(&ray, input, 1, test);
+    set_sides(input, 1, term);
+    set_side_sizes(search.reach, term);
+    for (int k = 0; k < 3; ++k) to[k] = term[k] - search.origin[k];
+    set_edges(term, to, d, test);
+    set_edge_bound(term, to, test);
+    set_plane(term, to, test);
     if (is_any) {
         struct triangles_from_origin of;
-        search.reach = ray.reach;
         set_up_from_origin(&search, input, 1, INFINITY, &of);
         const vf ca[3] = {of.ca[0][0], of.ca[1][0], of.ca[2][0]}, ab[3] = {of.ab[0][0], of.ab[1][0], of.ab[2][0]};
         const vf normal[3] = {of.normal[0][0], of.normal[1][0], of.normal[2][0]};
-        set_test_from_origin(ca, ab, normal, ray.direction, of.edge_bound[0], test);
+        test->determinant = dot_product(d, normal);
+        test->above = of.edge_bound[0];
+        set_extreme_edges(dot_product(d, ca), dot_product(d, ab), test);
         test->plane_bound = of.plane_bound[0];
         test->distance = of.distance[0];
         test->distance_bound = of.distance_bound[0];

@@ -19,33 +19,14 @@
  * of itself. If e is infinite, the sum or the difference is a NaN, which v_min and v_max drop: then o is the end, which
  * is right.
  *
- * SIDES. The sides of a triangle and their products are the same for all rays, and are computed once for each leaf. Let
- * p = fl(a - o), g = fl(c - a), h = fl(a - b), n = g x h, and r = p x d. Then, as in predicate.c,
- *
- *     e_ca = g . r     e_ab = h . r     D = d . n     N = p . n     e_bc = D - e_ca - e_ab
- *
- * These are the determinants of single_ray.h, where -p is s and -h is f. They have as many roundings: p, g and h have 1
- * per component, r has 3 (p, product, difference), n has 4; so e_ca, e_ab and D have 7, and N has 8. They are sums of
- * the same products, so all bounds of single_ray.h hold, with the greatest |d_k| of all lanes for m. S, G and H are the
- * sums of the magnitudes of the components of p, g and h.
- *
- * Underflow is as there: n and r lose 2^-149 per component. Overflow, too: n and r are at most 2^124, and the bound of
- * edge functions, 11 u (S (4 m (G + H)) + 4 m G H) / 4, overflows where 4 m (S G + S H + G H) does.
- *
- * ONE ORIGIN. If all rays start at o, then s = o - a is the same for all, and so are s x g, f x s and f x g:
- *
- *     e_ca = d . (s x g)     e_ab = d . (f x s)     D = d . (f x g)     N = g . (f x s)
- *
- * These are the determinants of single_ray.h. They have as many roundings: s, f and g have 1 per component, a cross
- * product 3 more, and the product with d and its sums 3: that makes 7, and 8 for N. So all bounds of single_ray.h hold,
- * with the greatest |d_k| of all lanes for m. Underflow and overflow are as there, since the cross products are finite.
+ * TRIANGLES. The arithmetic and its bounds are those of triangle_test.h, with the greatest |d_k| of all lanes for m.
  *
  * OUT OF REACH. Let rays of one origin end at T at the latest, and let s be the sign of N. Then none of them hits the
  * triangle if |N| > T max(0, s D) for all of them: either s D <= 0, so the ray never comes to the plane, or
  * t = |N| / (s D) > T. The greatest s D is the sum of the greater products of s n_k with the ends of the interval of all
  * d_k. Roundings are monotone, so this is the D, as computed, of a direction whose components are such ends and at most
  * m: it has the 7 roundings of D, and the bounds of N and D serve, as in compare_distances. If a product overflows, so
- * does 4 m F G in the bound of D, and the comparison is false.
+ * does 4 m G H in the bound of D, and the comparison is false.
  *
  * Based on: I. Wald, C. Benthin, P. Slusallek, "Interactive Rendering with Coherent Ray Tracing", 2001 (packets against
  * one box); C. Benthin et al., "Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel
@@ -442,48 +423,32 @@ MLRT_INLINE uint32_t planes_out_of_reach(const struct lanes_hull *hull, const st
     return m_bits(v_gt(least_n, v_mul(greatest_d, v_set1(farthest))));
 }
 
-/* Sets the terms of the triangles of a leaf: see "ONE ORIGIN" above. Returns those whose planes rays may reach. */
+/* Sets the terms of the triangles of a leaf, by triangle_test.h, "ONE ORIGIN". Returns those whose planes rays may reach. */
 MLRT_INLINE uint32_t set_up_from_origin(const struct lanes_search *search, const float *corners, uint32_t row,
                                         float farthest, struct triangles_from_origin *terms)
 {
     uint32_t beyond = 0;
     for (uint32_t v = 0; v < row; v += VW) {
-        vf s[3], f[3], g[3], cross[3];
+        vf term[SIDE_TERMS], to[3], cross[3];
         struct float_test test;
+        set_sides(corners + v, row, term);
+        set_side_sizes(search->reach, term);
         MLRT_UNROLL
-        for (uint32_t k = 0; k < 3; ++k) {
-            const vf a = v_load_any(corners + k * row + v);
-            s[k] = v_sub(v_set1(search->origin[k]), a);
-            f[k] = v_sub(v_load_any(corners + (3 + k) * row + v), a);
-            g[k] = v_sub(v_load_any(corners + (6 + k) * row + v), a);
-        }
-        set_bounds(s, f, g, v_set1(search->reach), &test);
+        for (int k = 0; k < 3; ++k) to[k] = v_sub(term[k], v_set1(search->origin[k]));
+        set_edge_bound(term, to, &test);
+        set_plane(term, to, &test);
         v_store(terms->edge_bound + v, test.above);
         v_store(terms->plane_bound + v, test.plane_bound);
         v_store(terms->distance_bound + v, test.distance_bound);
-        cross_product(s, g, cross);
-        store_cross_product(cross, v, terms->ca);
-        cross_product(f, g, cross);
-        store_cross_product(cross, v, terms->normal);
-        cross_product(f, s, cross);
-        store_cross_product(cross, v, terms->ab);
-        test.distance = dot_product(g, cross);
         v_store(terms->distance + v, test.distance);
+        store_cross_product(&term[SIDE_NORMAL], v, terms->normal);
+        cross_product(to, &term[SIDE_CA], cross);
+        store_cross_product(cross, v, terms->ca);
+        cross_product(to, &term[SIDE_AB], cross);
+        store_cross_product(cross, v, terms->ab);
         beyond |= planes_out_of_reach(&search->hull, terms, v, &test, farthest) << v;
     }
     return ~beyond & ((1u << row) - 1);
-}
-
-/* Sets edge functions and D of a triangle, for a vector of directions. */
-MLRT_INLINE void set_test_from_origin(const vf ca[3], const vf ab[3], const vf normal[3], const vf d[3], vf bound,
-                                      struct float_test *test)
-{
-    test->determinant = dot_product(d, normal);
-    const vf edge_ca = dot_product(d, ca), edge_ab = dot_product(d, ab);
-    const vf edge_bc = v_sub(v_sub(test->determinant, edge_ca), edge_ab);
-    test->least = v_min(v_min(edge_ab, edge_bc), edge_ca);
-    test->greatest = v_max(v_max(edge_ab, edge_bc), edge_ca);
-    test->above = bound;
 }
 
 /* Tests a triangle against the lanes of a vector, whose directions are d. Returns the lanes with a nearer hit. */
@@ -500,7 +465,9 @@ MLRT_INLINE uint32_t test_triangle_from_origin(const struct mlrt_job *job, const
         ab[k] = v_set1(terms->ab[k][place]);
         normal[k] = v_set1(terms->normal[k][place]);
     }
-    set_test_from_origin(ca, ab, normal, d, v_set1(terms->edge_bound[place]), &test);
+    test.determinant = dot_product(d, normal);
+    test.above = v_set1(terms->edge_bound[place]);
+    set_extreme_edges(dot_product(d, ca), dot_product(d, ab), &test);
     vm candidates = may_be_inside(&test, m_from_bits(lanes >> v));
     if (!m_bits(candidates)) return 0;
     candidates = m_and(candidates, concerned_rays(packet, lanes, number, v));
@@ -541,60 +508,6 @@ static MLRT_NOINLINE uint32_t test_triangles_from_origin(const struct mlrt_job *
     return all_changed;
 }
 
-/* What all rays share of their tests against a triangle: see "SIDES" above. */
-enum side_term {
-    SIDE_CORNER,            /* a */
-    SIDE_CA = 3,            /* g */
-    SIDE_AB = 6,            /* h */
-    SIDE_NORMAL = 9,        /* n */
-    SIDE_EDGE_FACTOR = 12,  /* 4 m (G + H): times S it is a part of the bound of edge functions */
-    SIDE_PLANE_FACTOR = 13, /* 4 m G H: the rest of it */
-    SIDE_PLANE_SIZE = 14,   /* G H */
-    SIDE_TERMS = 15
-};
-
-/* Sets the terms of a vector of triangles. */
-MLRT_INLINE void set_side_terms(const float *corners, uint32_t row, float reach, vf term[SIDE_TERMS])
-{
-    MLRT_UNROLL
-    for (uint32_t k = 0; k < 3; ++k) {
-        term[k] = v_load_any(corners + k * row);
-        term[SIDE_CA + k] = v_sub(v_load_any(corners + (6 + k) * row), term[k]);
-        term[SIDE_AB + k] = v_sub(term[k], v_load_any(corners + (3 + k) * row));
-    }
-    cross_product(&term[SIDE_CA], &term[SIDE_AB], &term[SIDE_NORMAL]);
-    const vf size_g = sum_of_magnitudes(&term[SIDE_CA]), size_h = sum_of_magnitudes(&term[SIDE_AB]);
-    term[SIDE_PLANE_SIZE] = v_mul(size_g, size_h);
-    term[SIDE_EDGE_FACTOR] = v_mul(v_add(size_g, size_h), v_set1(reach));
-    term[SIDE_PLANE_FACTOR] = v_mul(term[SIDE_PLANE_SIZE], v_set1(reach));
-}
-
-/* Sets edge functions and D. `to` goes from the origin to corner a. */
-MLRT_INLINE void set_edges_by_sides(const vf term[SIDE_TERMS], const vf to[3], const vf d[3], struct float_test *test)
-{
-    vf moment[3];
-    const vf edge_size = v_mul_add(sum_of_magnitudes(to), term[SIDE_EDGE_FACTOR], term[SIDE_PLANE_FACTOR]);
-    cross_product(to, d, moment);
-    test->above = MLRT_GUESS ? v_set1(0) : v_mul_add(edge_size, v_set1(EDGE_BOUND / 4), v_set1(DISTANCE_FLOOR));
-    test->determinant = dot_product(d, &term[SIDE_NORMAL]);
-    const vf ca = dot_product(&term[SIDE_CA], moment), ab = dot_product(&term[SIDE_AB], moment);
-    const vf bc = v_sub(v_sub(test->determinant, ca), ab);
-    test->least = v_min(v_min(ab, ca), bc);
-    test->greatest = v_max(v_max(ab, ca), bc);
-}
-
-/* Sets N, and the bounds of N and D. */
-MLRT_INLINE void set_plane_by_sides(const vf term[SIDE_TERMS], const vf to[3], struct float_test *test)
-{
-    test->distance = dot_product(to, &term[SIDE_NORMAL]);
-    test->plane_bound = test->distance_bound = v_set1(0);
-    if (MLRT_GUESS) return;
-    const vf floor = v_set1(DISTANCE_FLOOR), size = v_mul(sum_of_magnitudes(to), v_set1(4));
-    test->plane_bound = v_mul_add(term[SIDE_PLANE_FACTOR], v_set1(PLANE_BOUND / 4), floor);
-    test->distance_bound = v_mul_add(v_mul(size, term[SIDE_PLANE_SIZE]), v_set1(DISTANCE_BOUND / 4),
-                                     v_mul_add(test->plane_bound, v_set1(QUOTIENT_FLOOR), floor));
-}
-
 /* Tests lanes of a vector against the triangle at `place`. Returns the lanes with a nearer hit. */
 MLRT_INLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job, const float (*terms)[MLRT_BVH_LEAF_LIMIT],
                                             uint32_t place, const vf origin[3], const vf d[3], uint32_t lanes,
@@ -611,8 +524,9 @@ MLRT_INLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job, const fl
     }
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) to[k] = v_sub(term[k], origin[k]);
-    set_edges_by_sides(term, to, d, &test);
-    set_plane_by_sides(term, to, &test);
+    set_edges(term, to, d, &test);
+    set_edge_bound(term, to, &test);
+    set_plane(term, to, &test);
     const vf t_min = v_load(packet->t_min + v);
     const vm inside = may_be_inside(&test, concerned_rays(packet, lanes, number, v));
     const vm candidates = may_be_nearer(&test, inside, t_min, v_load(packet->nearest.hi + v));
@@ -674,23 +588,21 @@ MLRT_INLINE uint32_t test_triangles_lane_by_lane(const struct mlrt_job *job, uin
 {
     uint32_t all_changed = 0;
     vf term[SIDE_TERMS];
-    set_side_terms(corners, row, reach, term);
+    set_sides(corners, row, term);
+    set_side_sizes(reach, term);
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
+        const vf t_min = v_set1(packet->t_min[lane]);
+        struct corner_rows nearest = {NULL, 0};
+        struct float_test test;
         vf to[3], d[3];
         MLRT_UNROLL
         for (uint32_t k = 0; k < 3; ++k) {
             to[k] = v_sub(term[k], v_set1(packet->origin[k][lane]));
             d[k] = v_set1(packet->direction[k][lane]);
         }
-        struct float_test test;
-        set_edges_by_sides(term, to, d, &test);
-        const vm inside = may_be_inside(&test, m_from_bits(ALL_LANES));
-        if (VW <= 4 && !(m_bits(inside) & places) && !MLRT_COUNTING) continue; /* see test_leaf */
-        set_plane_by_sides(term, to, &test);
-        const vf t_min = v_set1(packet->t_min[lane]);
-        struct corner_rows nearest = {NULL, 0};
-        if (settle_places(job, numbers, corners, row, inside, places, &test, lane, t_min, &nearest, packet, worker)) {
+        set_edges(term, to, d, &test);
+        if (settle_vector(job, term, to, t_min, corners, row, places, numbers, lane, &nearest, &test, packet, worker)) {
             all_changed |= 1u << lane;
         }
     }
@@ -729,7 +641,8 @@ static MLRT_NOINLINE void test_leaf_by_lanes(const struct mlrt_job *job, uint32_
     MLRT_ALIGNED(64) float terms[SIDE_TERMS][MLRT_BVH_LEAF_LIMIT];
     for (uint32_t v = 0; v < row; v += VW) {
         vf term[SIDE_TERMS];
-        set_side_terms(corners + v, row, search->reach, term);
+        set_sides(corners + v, row, term);
+        set_side_sizes(search->reach, term);
         MLRT_UNROLL
         for (int i = 0; i < SIDE_TERMS; i += 3) {
             MLRT_UNROLL

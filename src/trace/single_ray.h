@@ -19,34 +19,9 @@
  * with t_near = inf is left out. An empty slot is such a box, since its lo is inf and its hi -inf: so the slots in use
  * need not be counted.
  *
- * TRIANGLES. Let s = fl(o - a), f = fl(b - a), g = fl(c - a), p = g x d, q = f x s. Then
+ * TRIANGLES. The arithmetic and its bounds are those of triangle_test.h.
  *
- *     e_ca = s . p     e_ab = d . q     D = f . p     N = g . q     e_bc = D - e_ca - e_ab
- *
- * Let u = 2^-24. s, f and g have 1 rounding per component, p has 3 (g, product, difference), q has 4. D and e_ca have
- * 1 + 3 roundings from their factors and 3 more from product and sums: 7. So has e_ab (4 + 3); N has 8. Each is a
- * determinant of three vectors, and its error is relative to the sum of the magnitudes of its six products. Let m be
- * the largest |d_k|, and S, F, G the sums of the magnitudes of the components of s, f, g. For e_ca the sum of the
- * products is at most m S G: |g_i| |d_j| + |g_j| |d_i| <= m G, times |s_k|, summed over k. Likewise it is at most
- * m S F for e_ab, m F G for D, and S F G for N. e_bc has two roundings more, of at most the sum of the three. So
- * 9.001 u m (S F + S G + F G) bounds the errors of all edge functions; EDGE_BOUND has 11 u. With PLANE_BOUND, 16 u of
- * m F G, D has 8.9 u to spare, and with DISTANCE_BOUND, 12 u of S F G, N has 3.9 u. The comparison of distances, which
- * triangle_filter.h derives, needs 6.9 and 1.9. The bounds as computed are off by a few u of themselves, for which
- * there is room.
- *
- * Nothing here is scaled, but for the units (units.h). The corners of an odd triangle are NaN, and so are all numbers
- * computed from them. A comparison with a NaN is false, so the triangle is undecided.
- *
- * Underflow: a product loses 2^-150 at most; in p and q that is 2^-149 for a component, and S, F, G and 3 m are less
- * than 2^63: so 2^-84 covers it, and DISTANCE_FLOOR = 2^-82 is added to each of the bounds. The quotients that become
- * t lose 2^-149, and D may be large here: for them, 2^-60 m F G is added to the bound of N.
- *
- * Overflow: p and q are finite, as magnitudes are 2^60 at most. If another number exceeds 2^126, its bound overflows,
- * because it is multiplied by 4 on the way. Then everything is undecided: no decision uses <= or >=, which would hold
- * between infinities. So scenes much smaller than 2^-20 or larger than 2^40 are slow here, not wrong.
- *
- * Based on: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997; I. Wald et al., "Getting
- * Rid of Packets", 2008 (one ray, wide nodes).
+ * Based on: I. Wald et al., "Getting Rid of Packets", 2008 (one ray, wide nodes).
  */
 #ifndef MLRT_TRACE_SINGLE_RAY_H
 #define MLRT_TRACE_SINGLE_RAY_H
@@ -64,14 +39,8 @@
 #include "scene/masks.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
+#include "trace/triangle_test.h"
 #include "trace/units.h"
-
-/*
- * The share of the bound of D that is added to that of N: it makes PLANE_BOUND's 2^-20 m F G the 2^-60 m F G above.
- * The bound of D includes its floor, so the product is not denormal, which would take a hundred cycles. Unless t is
- * less than 2^-40, the error of D moves t by more than this does.
- */
-#define QUOTIENT_FLOOR 0x1p-40f
 
 /*
  * A stack entry has a child in its lower half, and in its upper half the bits of the distance at which the ray enters
@@ -252,64 +221,6 @@ MLRT_INLINE uint32_t choose_child(const struct mlrt_bvh_node *node, uint32_t met
     return (uint32_t)first;
 }
 
-MLRT_INLINE vf sum_of_magnitudes(const vf a[3])
-{
-    return v_add(v_add(v_abs(a[0]), v_abs(a[1])), v_abs(a[2]));
-}
-
-/* Sets the bounds derived at the head of this file; builds that guess have none. `reach` is 4 m. */
-MLRT_INLINE void set_bounds(const vf s[3], const vf f[3], const vf g[3], vf reach, struct float_test *test)
-{
-    test->above = test->plane_bound = test->distance_bound = v_set1(0);
-    if (MLRT_GUESS) return;
-    const vf size_s = sum_of_magnitudes(s), size_f = sum_of_magnitudes(f), size_g = sum_of_magnitudes(g);
-    const vf plane_size = v_mul(size_f, size_g), floor = v_set1(DISTANCE_FLOOR);
-    const vf edge_size = v_mul_add(size_s, v_add(size_f, size_g), plane_size);
-    test->above = v_mul_add(v_mul(edge_size, reach), v_set1(EDGE_BOUND / 4), floor);
-    test->plane_bound = v_mul_add(v_mul(plane_size, reach), v_set1(PLANE_BOUND / 4), floor);
-    const vf distance_floor = v_mul_add(test->plane_bound, v_set1(QUOTIENT_FLOOR), floor);
-    test->distance_bound =
-        v_mul_add(v_mul(v_mul(size_s, v_set1(4)), plane_size), v_set1(DISTANCE_BOUND / 4), distance_floor);
-}
-
-/*
- * Computes the filter's numbers lane by lane: s goes from the origin to corner a, f and g from b and c to a. All three
- * are those of the head of this file with other signs, so that a and the origin are the first operands, and loads the
- * second ones. Then so are both cross products, if q is s x f as here, and of the other products only d . q changes its
- * sign. In this order, few values wait at a time: compilers keep it, and there may be only sixteen registers.
- */
-MLRT_INLINE void set_float_test(const vf s[3], const vf f[3], const vf g[3], const vf direction[3], vf reach,
-                                struct float_test *test)
-{
-    vf p[3], q[3];
-    set_bounds(s, f, g, reach, test);
-    cross_product(g, direction, p);
-    const vf ca = dot_product(s, p);
-    test->determinant = dot_product(f, p);
-    cross_product(s, f, q);
-    test->distance = dot_product(g, q);
-    const vf opposite_ab = dot_product(direction, q), ab = v_opposite(opposite_ab);
-    const vf bc = v_add(v_sub(test->determinant, ca), opposite_ab);
-    test->least = v_min(v_min(ab, ca), bc); /* bc is the last to be known */
-    test->greatest = v_max(v_max(ab, ca), bc);
-}
-
-/* Likewise for one ray and a vector of triangles. Each coordinate is a row; rows are `stride` floats apart. */
-MLRT_INLINE void set_single_test(const struct single_ray *ray, const float *corners, size_t stride,
-                                 struct float_test *test)
-{
-    const float *b = corners + 3 * stride, *c = b + 3 * stride;
-    vf s[3], f[3], g[3];
-    MLRT_UNROLL
-    for (size_t k = 0; k < 3; ++k) {
-        const vf a = v_load_any(corners + k * stride);
-        s[k] = v_sub(a, ray->origin[k]);
-        f[k] = v_sub(a, v_load_any(b + k * stride));
-        g[k] = v_sub(a, v_load_any(c + k * stride));
-    }
-    set_float_test(s, f, g, ray->direction, v_set1(ray->reach), test);
-}
-
 /*
  * Makes the nearest of the triangles in `nearer`, which are surely hit between lo[i] and hi[i], the nearest hit of the
  * lane, and sets *place to its place. Returns those whose distances overlap with it, which have to be compared exactly.
@@ -484,6 +395,22 @@ MLRT_INLINE int settle_places(const struct mlrt_job *job, const uint32_t *number
     return 0;
 }
 
+/*
+ * Decides the triangles at `places` of a vector for a lane, given edge functions and D. Sets the rest of *test. `to` goes
+ * from the origin to corners a. Sets *nearest if the nearest hit changes. Returns 1 if a query for any hit has one.
+ */
+MLRT_INLINE int settle_vector(const struct mlrt_job *job, const vf term[SIDE_TERMS], const vf to[3], vf t_min,
+                              const float *corners, uint32_t row, uint32_t places, const uint32_t *numbers,
+                              uint32_t lane, struct corner_rows *nearest, struct float_test *test,
+                              struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    set_edge_bound(term, to, test);
+    const vm inside = may_be_inside(test, m_from_bits(ALL_LANES));
+    if (VW <= 4 && !m_bits(inside)) return 0; /* wide vectors take one branch, after distances */
+    set_plane(term, to, test);
+    return settle_places(job, numbers, corners, row, inside, places, test, lane, t_min, nearest, packet, worker);
+}
+
 /* Counts the tests of a lane and the triangles of a leaf that it sees, in kernels that count. */
 MLRT_INLINE void count_leaf_tests(const struct mlrt_job *job, const uint32_t *numbers, uint32_t place_count,
                                   const struct mlrt_packet *packet, uint32_t lane, struct mlrt_worker *worker)
@@ -512,11 +439,14 @@ MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *r
     uint32_t places = (1u << place_count) - 1; /* bits of other vectors do no harm */
     count_leaf_tests(job, numbers, place_count, packet, ray->lane, worker);
     for (;;) {
+        vf term[SIDE_TERMS], to[3];
         struct float_test test;
-        set_single_test(ray, corners, place_count, &test);
-        const vm inside = may_be_inside(&test, m_from_bits(ALL_LANES));
-        if ((VW > 4 || m_bits(inside)) && /* wide vectors take one branch, after distances */
-            settle_places(job, numbers, corners, place_count, inside, places, &test, ray->lane, ray->t_min, nearest,
+        set_sides(corners, place_count, term);
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k) to[k] = v_sub(term[k], ray->origin[k]);
+        set_edges(term, to, ray->direction, &test);
+        set_side_sizes(ray->reach, term);
+        if (settle_vector(job, term, to, ray->t_min, corners, place_count, places, numbers, ray->lane, nearest, &test,
                           packet, worker)) {
             return 1;
         }

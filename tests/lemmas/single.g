@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# The filter of rays that go alone or lane by lane (trace/single_ray.h, trace/lane_by_lane.h): e_ca, e_ab, D and N are
+# The filter of rays that go alone or lane by lane (trace/triangle_test.h): e_ca, e_ab, D and N are
 # determinants of d and of differences of points. Of each the error relative to the magnitude of a product as computed;
 # d are the roundings of a product, e those of the differences in it, f those of a bound, h underflow.
 
@@ -17,8 +17,8 @@ third_edge = five * (1 + d6) * (1 + d7) - (1 + e1) * (1 + e2);
 lost = 2 * h1 * (1 + d1) * 1b63 + 3 * h2;
 lost_of_three = 3 * lost;
 
-# The bounds as computed. S, F and G have two sums each, m S (F + G) + m F G a sum, a product and a sum, then m, the
-# factor and the floor; S F G has two products.
+# The bounds as computed. S, G and H have two sums each, m S (G + H) + m G H a sum, a product and a sum, then m, the
+# factor and the floor; S G H has two products.
 edge_bound = 11 * u * (1 + f1) * (1 + f2) * (1 + f3) * (1 + f4) * (1 + f5) * (1 + f6) * (1 + f7) * (1 + f8) * (1 + f9)
              * (1 + f10);
 plane_bound = 16 * u * (1 + f1) * (1 + f2) * (1 + f3) * (1 + f4) * (1 + f5) * (1 + f6) * (1 + f7) * (1 + f8);
