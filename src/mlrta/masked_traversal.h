@@ -20,12 +20,10 @@
 #include "rays/extremes.h"
 #include "simd/simd.h"
 
-/* The vectors that hold the four lanes of a 2x2 packet: if VW > 4, one, which holds other lanes too. */
-#define PACKET2_VECTORS (VW < 4 ? 4 / VW : 1)
-
+/* Distances of the four rays of a 2x2 packet. */
 struct masked_interval {
-    vf lo[PACKET2_VECTORS];
-    vf hi[PACKET2_VECTORS];
+    f4 lo;
+    f4 hi;
 };
 
 struct masked_cell {
@@ -35,67 +33,47 @@ struct masked_cell {
 };
 
 struct ray_axis {
-    vf origin[PACKET2_VECTORS];
-    vf small[PACKET2_VECTORS]; /* 1 / d, decreased in magnitude by RECIPROCAL_SLACK of itself, */
-    vf large[PACKET2_VECTORS]; /* and increased */
+    f4 origin;
+    f4 small; /* 1 / d, decreased in magnitude by RECIPROCAL_SLACK of itself, */
+    f4 large; /* and increased */
 };
 
-struct lane_distances {
-    vf lo;
-    vf hi;
-};
-
-/* The distances within which the rays of vector i cross the plane x = c of this axis. */
-MLRT_INLINE struct lane_distances lane_plane_distances(const struct ray_axis *axis, int i, float c)
+/* The distances within which the rays cross the plane x = c of this axis. */
+MLRT_INLINE struct masked_interval lane_plane_distances(const struct ray_axis *axis, float c)
 {
-    const vf x = v_sub(v_set1(c), axis->origin[i]);
-    const vf a = v_mul(x, axis->small[i]), b = v_mul(x, axis->large[i]);
-    return (struct lane_distances){v_min(a, b), v_max(a, b)};
+    const f4 x = f4_sub(f4_set1(c), axis->origin);
+    const f4 a = f4_mul(x, axis->small), b = f4_mul(x, axis->large);
+    return (struct masked_interval){f4_min(a, b), f4_max(a, b)};
 }
 
-/* The rays of the PACKET2_VECTORS from first_lane on, along axis k. */
-MLRT_INLINE void set_ray_axis(const struct mlrt_packet *packet, int first_lane, int k, struct ray_axis *axis)
+/* The rays of the square from lane `first` on, along axis k. */
+MLRT_INLINE struct ray_axis get_ray_axis(const struct mlrt_packet *packet, int first, int k)
 {
-    for (int i = 0; i < PACKET2_VECTORS; ++i) {
-        const int v = first_lane + i * VW;
-        const vf reciprocal = v_div(v_set1(1), v_load(packet->direction[k] + v));
-        axis->origin[i] = packet->has.apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
-        axis->small[i] = v_mul(reciprocal, v_set1(1 - RECIPROCAL_SLACK));
-        axis->large[i] = v_mul(reciprocal, v_set1(1 + RECIPROCAL_SLACK));
-    }
+    const f4 reciprocal = f4_div(f4_set1(1), f4_load(packet->direction[k] + first));
+    return (struct ray_axis){packet->has.apex ? f4_set1(packet->apex[k]) : f4_load(packet->origin[k] + first),
+                             f4_mul(reciprocal, f4_set1(1 - RECIPROCAL_SLACK)),
+                             f4_mul(reciprocal, f4_set1(1 + RECIPROCAL_SLACK))};
+}
+
+/* The lanes of the square from lane `first` on where a > b is false. */
+MLRT_INLINE uint32_t lanes_not_above(f4 a, f4 b, int first)
+{
+    return (~f4_above(a, b) & 15u) << first;
 }
 
 /* Sets *part to the distances within which the rays are in a box. Returns the lanes that can be in it. */
 MLRT_INLINE uint32_t enter_box(const struct mlrt_packet *packet, const struct ray_axis axis[3],
-                               const uint32_t negative[3], const struct mlrt_box *box, int first_lane,
+                               const uint32_t negative[3], const struct mlrt_box *box, int first,
                                struct masked_interval *part)
 {
-    uint32_t inside = 0;
-    for (int i = 0; i < PACKET2_VECTORS; ++i) {
-        const int v = first_lane + i * VW;
-        part->lo[i] = v_load(packet->t_min + v);
-        part->hi[i] = v_load(packet->nearest.hi + v);
-        for (int k = 0; k < 3; ++k) {
-            const float near = negative[k] ? box->hi[k] : box->lo[k], far = negative[k] ? box->lo[k] : box->hi[k];
-            part->lo[i] = v_max(lane_plane_distances(&axis[k], i, near).lo, part->lo[i]);
-            part->hi[i] = v_min(lane_plane_distances(&axis[k], i, far).hi, part->hi[i]);
-        }
-        inside |= m_bits(v_le(part->lo[i], part->hi[i])) << v;
+    part->lo = f4_load(packet->t_min + first);
+    part->hi = f4_load(packet->nearest.hi + first);
+    for (int k = 0; k < 3; ++k) {
+        const float near = negative[k] ? box->hi[k] : box->lo[k], far = negative[k] ? box->lo[k] : box->hi[k];
+        part->lo = f4_max(lane_plane_distances(&axis[k], near).lo, part->lo);
+        part->hi = f4_min(lane_plane_distances(&axis[k], far).hi, part->hi);
     }
-    return inside;
-}
-
-/* Cuts *part down to the nearest hits. Returns the lanes that can still find a nearer one within it. */
-MLRT_INLINE uint32_t cut_to_hits(const struct mlrt_packet *packet, int first_lane, struct masked_interval *part)
-{
-    uint32_t before = 0;
-    for (int i = 0; i < PACKET2_VECTORS; ++i) {
-        const int v = first_lane + i * VW;
-        const vf nearest = v_load(packet->nearest.hi + v);
-        before |= (~m_bits(v_gt(part->lo[i], nearest)) & ALL_LANES) << v;
-        part->hi[i] = v_min(nearest, part->hi[i]);
-    }
-    return before;
+    return lanes_not_above(part->lo, part->hi, first);
 }
 
 /*
@@ -118,8 +96,8 @@ MLRT_INLINE uint32_t test_masked(const struct mlrt_job *job, uint32_t number, st
     return test_triangle(job, number, setup, group, group->lanes, packet, worker);
 }
 
-/* Traces rays whose directions have the same signs. Their lanes are in the PACKET2_VECTORS from first_lane on. */
-MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, int first_lane,
+/* Traces rays whose directions have the same signs, of the square from lane `first` on. */
+MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, int first,
                                        struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct mlrt_tree *tree = job->tree;
@@ -132,10 +110,10 @@ MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lane
     for (int k = 0; k < 3; ++k) {
         negative[k] = range.lo[k] < 0;
         group.axis[k].reach = negative[k] ? -range.lo[k] : range.hi[k];
-        set_ray_axis(packet, first_lane, k, &axis[k]);
+        axis[k] = get_ray_axis(packet, first, k);
     }
     set_main_axis(&group);
-    group.lanes &= enter_box(packet, axis, negative, &tree->bounds, first_lane, &part);
+    group.lanes &= enter_box(packet, axis, negative, &tree->bounds, first, &part);
     if (!group.lanes) return;
 
     struct masked_cell stack[MLRT_DEPTH_LIMIT];
@@ -148,31 +126,19 @@ MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lane
         COUNT(&worker->counters, cell_count, 1);
         const uint32_t k = mlrt_node_axis(here);
         if (k != 3) {
-            const uint32_t child = mlrt_node_child(here), first = child + negative[k], second = child + !negative[k];
-            struct masked_interval far;
-            struct masked_interval near;
-            uint32_t near_lanes = 0, far_lanes = 0;
-            for (int i = 0; i < PACKET2_VECTORS; ++i) {
-                const int v = first_lane + i * VW;
-                const struct lane_distances plane = lane_plane_distances(&axis[k], i, here->u.split);
-                near_lanes |= (~m_bits(v_gt(part.lo[i], plane.hi)) & ALL_LANES) << v;
-                far_lanes |= (~m_bits(v_lt(part.hi[i], plane.lo)) & ALL_LANES) << v;
-                far.lo[i] = v_max(plane.lo, part.lo[i]);
-                far.hi[i] = part.hi[i];
-                near.lo[i] = part.lo[i];
-                near.hi[i] = v_min(plane.hi, part.hi[i]);
-            }
-            near_lanes &= group.lanes;
-            far_lanes &= group.lanes;
+            const uint32_t near = mlrt_node_child(here) + negative[k], far = mlrt_node_child(here) + !negative[k];
+            const struct masked_interval plane = lane_plane_distances(&axis[k], here->u.split);
+            const uint32_t near_lanes = lanes_not_above(part.lo, plane.hi, first) & group.lanes;
+            const uint32_t far_lanes = lanes_not_above(plane.lo, part.hi, first) & group.lanes;
             if (!far_lanes) {
-                node = first;
+                node = near;
             } else if (!near_lanes) {
-                node = second;
+                node = far;
             } else {
-                stack[pending_count++] = (struct masked_cell){second, far_lanes, far};
-                part = near;
+                stack[pending_count++] = (struct masked_cell){far, far_lanes, {f4_max(plane.lo, part.lo), part.hi}};
+                part.hi = f4_min(plane.hi, part.hi);
                 group.lanes = near_lanes;
-                node = first;
+                node = near;
             }
             continue;
         }
@@ -184,12 +150,13 @@ MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lane
             alive &= ~changed;
             group.lanes &= alive;
         }
+        const f4 nearest = f4_load(packet->nearest.hi + first);
         do {
             if (pending_count == 0) return;
-            --pending_count;
-            node = stack[pending_count].node;
-            part = stack[pending_count].part;
-            group.lanes = stack[pending_count].lanes & alive & cut_to_hits(packet, first_lane, &part);
+            const struct masked_cell *next = &stack[--pending_count];
+            node = next->node;
+            part = (struct masked_interval){next->part.lo, f4_min(nearest, next->part.hi)};
+            group.lanes = next->lanes & alive & lanes_not_above(part.lo, nearest, first);
         } while (!group.lanes);
     }
 }
@@ -197,11 +164,10 @@ MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lane
 /* Traces the active rays of a packet from the root, 2x2 at a time. */
 MLRT_INLINE void traverse_masked(const struct mlrt_job *job, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    for (int square = 0; square < MLRT_PACKET_RAYS; square += 4) {
-        const int first_lane = square - square % VW;
-        for (uint32_t left = packet->active & (0xFu << square); left;) {
+    for (int first = 0; first < MLRT_PACKET_RAYS; first += 4) {
+        for (uint32_t left = packet->active & (0xFu << first); left;) {
             const uint32_t same = same_sign_lanes(packet, left);
-            traverse_masked_group(job, same, first_lane, packet, worker);
+            traverse_masked_group(job, same, first, packet, worker);
             left &= ~same;
         }
     }

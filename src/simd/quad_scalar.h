@@ -46,6 +46,11 @@ MLRT_INLINE unsigned f4_zeros(f4 a)
 {
     return (unsigned)((a.x[0] == 0) | (a.x[1] == 0) << 1 | (a.x[2] == 0) << 2 | (a.x[3] == 0) << 3);
 }
+/* bits of the lanes where a > b */
+MLRT_INLINE unsigned f4_above(f4 a, f4 b)
+{
+    return (unsigned)((a.x[0] > b.x[0]) | (a.x[1] > b.x[1]) << 1 | (a.x[2] > b.x[2]) << 2 | (a.x[3] > b.x[3]) << 3);
+}
 /* bits of the lanes that are 0 or whose magnitude is lo .. hi */
 MLRT_INLINE unsigned f4_zeros_or_within(f4 a, float lo, float hi)
 {

@@ -24,6 +24,7 @@ MLRT_INLINE unsigned f4_same_words(const void *p, uint32_t word)
     return (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same));
 }
 MLRT_INLINE unsigned f4_zeros(f4 a) { return (unsigned)_mm_movemask_ps(_mm_cmpeq_ps(a, _mm_setzero_ps())); }
+MLRT_INLINE unsigned f4_above(f4 a, f4 b) { return (unsigned)_mm_movemask_ps(_mm_cmpgt_ps(a, b)); }
 MLRT_INLINE unsigned f4_zeros_or_within(f4 a, float lo, float hi)
 {
     const __m128 b = _mm_andnot_ps(_mm_set1_ps(-0.0f), a), zero = _mm_cmpeq_ps(a, _mm_setzero_ps());

@@ -144,6 +144,7 @@ static void run_quad(const struct word_input *in, int v, struct word_output *out
     }
     for (unsigned i = 0; i < 4; ++i) {
         out->integers[WORD_QUAD_SIGNS][(unsigned)v + i] = (f4_signs(a) >> i & 1) | f4_signs(b) >> 4;
+        out->integers[WORD_QUAD_ABOVE][(unsigned)v + i] = (f4_above(a, b) >> i & 1) | f4_above(b, a) >> 4;
     }
     f4_store(out->values[WORD_QUAD_LOW] + v, f4_low(a, b));
     f4_store(out->values[WORD_QUAD_HIGH] + v, f4_high(a, b));
