@@ -73,41 +73,27 @@ static MLRT_NOINLINE int misses_box_along(const struct mlrt_beam *beam, const st
     return 0;
 }
 
-/* 1 if the slopes over any axis show that no ray of the beam touches the box. */
-static int misses_box(const struct mlrt_beam *beam, const struct mlrt_box *box)
+/* 1 if the slopes over the main axis, or over any with `all_axes`, show that no ray of the beam touches the box. */
+static int misses_box(const struct mlrt_beam *beam, const struct mlrt_box *box, int all_axes)
 {
-    return misses_box_along(beam, box, 0) || misses_box_along(beam, box, 1) || misses_box_along(beam, box, 2);
+    const int a = beam->main_axis;
+    return misses_box_along(beam, box, a) ||
+           (all_axes && (misses_box_along(beam, box, (a + 1) % 3) || misses_box_along(beam, box, (a + 2) % 3)));
 }
 
-/* The boxes of a cell's children: rays enter `near` before `far`. */
-struct cell_halves {
-    struct mlrt_box near;
-    struct mlrt_box far;
-};
-
-MLRT_INLINE struct cell_halves split_cell(const struct mlrt_beam *beam, const struct mlrt_box *cell, int a, float c)
+/*
+ * Direct culling: tests the box of each child against the planes of the beam, the slopes over its main axis. With
+ * `all_axes`, this is the extra check after culling that excluded neither child.
+ */
+static int cull_direct(const struct mlrt_beam *beam, const struct mlrt_box *cell, int a, float c, int all_axes)
 {
-    struct cell_halves halves = {*cell, *cell};
-    if (beam->negative[a])
-        halves.near.lo[a] = halves.far.hi[a] = c;
-    else
-        halves.near.hi[a] = halves.far.lo[a] = c;
-    return halves;
-}
-
-/* Direct culling: tests the box of each child against the planes of the beam, the slopes over its main axis. */
-MLRT_INLINE int cull_direct(const struct mlrt_beam *beam, const struct mlrt_box *cell, int a, float c)
-{
-    const struct cell_halves halves = split_cell(beam, cell, a, c);
-    return (misses_box_along(beam, &halves.near, beam->main_axis) ? 0 : NEAR_CHILD) |
-           (misses_box_along(beam, &halves.far, beam->main_axis) ? 0 : FAR_CHILD);
-}
-
-/* The extra check after culling that excluded neither child: tests both boxes by the slopes over every axis. */
-static int check_children(const struct mlrt_beam *beam, const struct mlrt_box *cell, int a, float c)
-{
-    const struct cell_halves halves = split_cell(beam, cell, a, c);
-    return (misses_box(beam, &halves.near) ? 0 : NEAR_CHILD) | (misses_box(beam, &halves.far) ? 0 : FAR_CHILD);
+    int children = BOTH_CHILDREN;
+    for (int far = 0; far < 2; ++far) {
+        struct mlrt_box half = *cell;
+        *(far == beam->negative[a] ? &half.hi[a] : &half.lo[a]) = c;
+        if (misses_box(beam, &half, all_axes)) children &= far ? ~FAR_CHILD : ~NEAR_CHILD;
+    }
+    return children;
 }
 
 /* Cuts a box down to the beam's region. Returns 0 if nothing is left. */

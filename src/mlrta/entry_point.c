@@ -13,10 +13,14 @@
 /* Leaves of more triangles are not searched for a cover: there one triangle rarely covers a beam. */
 #define COVER_TRIAL_LIMIT 8
 
-/* Goes down to a child of an inner node, `child` being the lower one. */
-MLRT_INLINE void enter_child(struct entry_point *cell, uint32_t child, int is_upper, int a, float c)
+/* Goes down to the near or far child of an inner node. */
+MLRT_INLINE void enter_child(const struct mlrt_beam *beam, const struct mlrt_node *node, int is_far,
+                             struct entry_point *cell)
 {
-    cell->node = child + (uint32_t)is_upper;
+    const int a = (int)mlrt_node_axis(node);
+    const float c = node->u.split;
+    const int is_upper = is_far ? !beam->negative[a] : beam->negative[a];
+    cell->node = mlrt_node_child(node) + (uint32_t)is_upper;
     ++cell->depth;
     /* The box may already be smaller than the cell, so it is only cut. */
     if (is_upper) {
@@ -27,18 +31,18 @@ MLRT_INLINE void enter_child(struct entry_point *cell, uint32_t child, int is_up
 }
 
 /* The set of children of a cell that rays of the beam can reach: NEAR_CHILD, FAR_CHILD, both or 0. */
-MLRT_INLINE int reachable_children(const struct mlrt_job *job, const struct mlrt_beam *beam,
-                                   const struct entry_point *cell, int a, float c, mlrt_counters *counters)
+MLRT_INLINE int reachable_children(const struct mlrt_job *job, const struct mlrt_beam *beam, const struct mlrt_box *box,
+                                   int a, float c, mlrt_counters *counters)
 {
     /* The box may be smaller than the cell and lie on one side of the plane. */
-    if (c > cell->box.hi[a]) return beam->negative[a] ? FAR_CHILD : NEAR_CHILD;
-    if (c < cell->box.lo[a]) return beam->negative[a] ? NEAR_CHILD : FAR_CHILD;
+    if (c > box->hi[a]) return beam->negative[a] ? FAR_CHILD : NEAR_CHILD;
+    if (c < box->lo[a]) return beam->negative[a] ? NEAR_CHILD : FAR_CHILD;
 
-    int children = job->multilevel.culling == MLRT_CULLING_INVERSE ? cull_inverse(beam, &cell->box, a, c)
-                                                                   : cull_direct(beam, &cell->box, a, c);
+    int children = job->multilevel.culling == MLRT_CULLING_INVERSE ? cull_inverse(beam, box, a, c)
+                                                                   : cull_direct(beam, box, a, c, 0);
     if (children != BOTH_CHILDREN) return children;
     ++counters->undecided_cull_count;
-    if (job->multilevel.culling_check) children = check_children(beam, &cell->box, a, c);
+    if (job->multilevel.culling_check) children = cull_direct(beam, box, a, c, 1);
     counters->undecided_checked_count += children == BOTH_CHILDREN;
     return children;
 }
@@ -48,15 +52,7 @@ MLRT_INLINE int has_potential(const struct mlrt_job *job, const struct mlrt_beam
                               const struct mlrt_box *box)
 {
     if (mlrt_leaf_count(node) == 0) return 0;
-    return !(job->multilevel.culling == MLRT_CULLING_INVERSE ? misses_box(beam, box)
-                                                             : misses_box_along(beam, box, beam->main_axis));
-}
-
-MLRT_INLINE void enter_far_child(const struct mlrt_tree *tree, const struct mlrt_beam *beam, struct entry_point *cell)
-{
-    const struct mlrt_node *node = &tree->kdtree.nodes[cell->node];
-    const int a = (int)mlrt_node_axis(node);
-    enter_child(cell, mlrt_node_child(node), !beam->negative[a], a, node->u.split);
+    return !misses_box(beam, box, job->multilevel.culling == MLRT_CULLING_INVERSE);
 }
 
 /*
@@ -72,23 +68,23 @@ static int find_first_leaf(const struct mlrt_job *job, const struct mlrt_beam *b
         const struct mlrt_node *node = &job->tree->kdtree.nodes[cell.node];
         ++counters->cell_count;
         ++counters->entry_point_cell_count;
-        int children = 0;
-        if (!mlrt_node_is_leaf(node)) {
+        if (mlrt_node_is_leaf(node)) {
+            if (has_potential(job, beam, node, &cell.box)) {
+                *leaf = cell;
+                return 1;
+            }
+        } else {
             const int a = (int)mlrt_node_axis(node);
-            const float c = node->u.split;
-            const int near_is_upper = beam->negative[a];
-            children = reachable_children(job, beam, &cell, a, c, counters);
+            const int children = reachable_children(job, beam, &cell.box, a, node->u.split, counters);
             if (children == BOTH_CHILDREN) stack[(*stack_count)++] = cell;
-            if (children)
-                enter_child(&cell, mlrt_node_child(node), children & NEAR_CHILD ? near_is_upper : !near_is_upper, a, c);
-        } else if (has_potential(job, beam, node, &cell.box)) {
-            *leaf = cell;
-            return 1;
+            if (children) {
+                enter_child(beam, node, children == FAR_CHILD, &cell);
+                continue;
+            }
         }
-        if (children) continue;
         if (*stack_count == 0) return 0;
         cell = stack[--*stack_count];
-        enter_far_child(job->tree, beam, &cell);
+        enter_child(beam, &job->tree->kdtree.nodes[cell.node], 1, &cell);
     }
 }
 
@@ -110,7 +106,7 @@ static uint32_t find_first_cover(const uint32_t *entries, uint32_t count, const 
 
 /*
  * Ends the beam's region at the triangles of a leaf that cover the beam. Returns the one that all rays hit before any
- * other of the leaf, or MLRT_NONE.
+ * other of the leaf; MLRT_NONE if that is certain of none, if rays may end before it, or if whole tiles are switched off.
  */
 static uint32_t look_for_cover(const struct mlrt_job *job, const struct entry_point *leaf, struct mlrt_beam *beam)
 {
@@ -128,13 +124,14 @@ static uint32_t look_for_cover(const struct mlrt_job *job, const struct entry_po
         end_region_at_cover(&terms[i], &corners, beam);
         is_covered = 1;
     }
-    return is_covered ? find_first_cover(entries, count, terms) : MLRT_NONE;
+    const int may_be_whole = (job->multilevel.shortcuts & MLRT_SHORTCUT_WHOLE_TILES) && beam->is_unlimited;
+    return is_covered && may_be_whole ? find_first_cover(entries, count, terms) : MLRT_NONE;
 }
 
 /* Goes down to the far child of `cell` and cuts its box down to the beam's region. Returns 0 if nothing is left. */
 MLRT_INLINE int enter_far_region(const struct mlrt_tree *tree, const struct mlrt_beam *beam, struct entry_point *cell)
 {
-    enter_far_child(tree, beam, cell);
+    enter_child(beam, &tree->kdtree.nodes[cell->node], 1, cell);
     return clip_to_region(beam, &cell->box);
 }
 
@@ -144,9 +141,10 @@ int mlrt_find_entry_point(const struct mlrt_job *job, struct mlrt_beam *beam, st
     struct entry_point stack[MLRT_DEPTH_LIMIT], deeper[MLRT_DEPTH_LIMIT];
     int stack_count, deeper_count;
     struct entry_point leaf;
+    *cover = MLRT_NONE;
     ++counters->beam_count;
-    if (!clip_to_region(beam, &entry->box)) return BEAM_MISSES;
-    if (!find_first_leaf(job, beam, *entry, stack, &stack_count, &leaf, counters)) return BEAM_MISSES;
+    if (!clip_to_region(beam, &entry->box)) return 0;
+    if (!find_first_leaf(job, beam, *entry, stack, &stack_count, &leaf, counters)) return 0;
     *entry = leaf;
     *cover = look_for_cover(job, &leaf, beam);
     for (int i = 0; i < stack_count; ++i) {
@@ -157,9 +155,7 @@ int mlrt_find_entry_point(const struct mlrt_job *job, struct mlrt_beam *beam, st
         *cover = MLRT_NONE;
         break;
     }
-    if (*cover != MLRT_NONE && (job->multilevel.shortcuts & MLRT_SHORTCUT_WHOLE_TILES) && beam->is_unlimited)
-        return BEAM_IS_COVERED;
-    return clip_to_region(beam, &entry->box) ? BEAM_ENTERS : BEAM_MISSES;
+    return *cover == MLRT_NONE && clip_to_region(beam, &entry->box);
 }
 
 int mlrt_find_entry_list(const struct mlrt_job *job, struct mlrt_beam *beam, struct entry_point from,
@@ -188,9 +184,5 @@ int mlrt_find_entry_list(const struct mlrt_job *job, struct mlrt_beam *beam, str
             inside = 0;
         }
     }
-    if (list->count == 0) return BEAM_MISSES;
-    return list->count == 1 && *cover != MLRT_NONE && (job->multilevel.shortcuts & MLRT_SHORTCUT_WHOLE_TILES) &&
-                   beam->is_unlimited
-               ? BEAM_IS_COVERED
-               : BEAM_ENTERS;
+    return list->count > 1 || (list->count == 1 && *cover == MLRT_NONE);
 }

@@ -49,16 +49,10 @@ struct entry_list {
 
 #define NO_OUTLINES 3 /* the axis code of no group */
 
-/* Results of an entry-point search. */
-enum {
-    BEAM_MISSES,    /* no ray hits a triangle */
-    BEAM_ENTERS,    /* all rays may start at the entry point */
-    BEAM_IS_COVERED /* the first hit of all rays is on the same triangle */
-};
-
 /*
- * Searches from *entry, where all rays of the beam may start. BEAM_ENTERS: *entry becomes the deepest such node, with
- * the part of its cell that is in the beam's region. BEAM_IS_COVERED: *cover is the triangle. The search counts.
+ * Searches from *entry, where all rays of the beam may start. Returns 1 if *entry has become the deepest such node, with
+ * the part of its cell that is in the beam's region. Returns 0 if the beam is done: *cover is the triangle on which all
+ * rays have their first hit, or MLRT_NONE if none hits a triangle. The search counts.
  */
 int mlrt_find_entry_point(const struct mlrt_job *job, struct mlrt_beam *beam, struct entry_point *entry,
                           uint32_t *cover, mlrt_counters *counters);

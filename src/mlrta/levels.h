@@ -81,11 +81,11 @@ static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, 
     *entry = *above;
     if (mlrt_get_beam(&job->source, tile->x, tile->y, tile->width, tile->height, &beam)) {
         uint32_t cover;
-        const int found = has_list ? mlrt_find_entry_list(job, &beam, *above, &list, &cover, &worker->counters)
-                                   : mlrt_find_entry_point(job, &beam, entry, &cover, &worker->counters);
-        if (found != BEAM_ENTERS) {
-            ++*(found == BEAM_MISSES ? &worker->counters.missed_beam_count : &worker->counters.covered_beam_count);
-            write_closed(job, worker, found == BEAM_MISSES ? MLRT_NONE : cover, tile);
+        const int enters = has_list ? mlrt_find_entry_list(job, &beam, *above, &list, &cover, &worker->counters)
+                                    : mlrt_find_entry_point(job, &beam, entry, &cover, &worker->counters);
+        if (!enters) {
+            ++*(cover == MLRT_NONE ? &worker->counters.missed_beam_count : &worker->counters.covered_beam_count);
+            write_closed(job, worker, cover, tile);
             return;
         }
         if (has_list) set_entry_outlines(&beam, &list);
