@@ -925,7 +925,7 @@ static double attack_beam_slope(const float *input)
     mpf_mul(truth, truth, scratch[0]);
     subtract_exactly(input[3], input[4], other_truth);
     if (!is_normal(truth) || !is_normal(other_truth)) return -1;
-    const double outward = mpf_sgn(truth) > 0 ? MLRT_SLOPE_SLACK : -MLRT_SLOPE_SLACK;
+    const double outward = mpf_sgn(truth) > 0 ? SLOPE_SLACK : -SLOPE_SLACK;
     return fmax(1 + relative_error(q.lo, r) / outward, 1 - relative_error(q.hi, r) / outward);
 }
 
@@ -976,7 +976,8 @@ static double attack_camera_slope(const float *input)
     uint32_t x, y;
     float p[3];
     load_view(input, &view, &x, &y);
-    if (!mlrt_make_view_beam(&view, x, y, 1, 1, &beam)) return -1;
+    const struct mlrt_source source = {.kind = MLRT_SOURCE_CAMERA, .view = view};
+    if (!mlrt_get_beam(&source, x, y, 1, 1, &beam)) return -1;
     if (!isfinite(beam.slope_lo[0][1]) || !isfinite(beam.slope_hi[0][1])) return -1;
     mlrt_view_point(&view, x, y, p);
     mpf_set_d(truth, p[1]);
@@ -984,8 +985,8 @@ static double attack_camera_slope(const float *input)
     mpf_div(truth, truth, other_truth);
     const double lo = beam.slope_lo[0][1], hi = beam.slope_hi[0][1];
     if (!is_normal(truth)) return mpf_cmp_d(truth, lo) >= 0 && mpf_cmp_d(truth, hi) <= 0 ? 0 : INFINITY;
-    return place_in(truth, lo / (1 + (lo < 0 ? MLRT_SLOPE_SLACK : -MLRT_SLOPE_SLACK)),
-                    hi / (1 - (hi < 0 ? MLRT_SLOPE_SLACK : -MLRT_SLOPE_SLACK)));
+    return place_in(truth, lo / (1 + (lo < 0 ? SLOPE_SLACK : -SLOPE_SLACK)),
+                    hi / (1 - (hi < 0 ? SLOPE_SLACK : -SLOPE_SLACK)));
 }
 
 /* ---- cells ------------------------------------------------------------------------------------------------------- */

@@ -35,7 +35,7 @@ struct subject {
     mlrt_mesh mesh;
     mlrt_tree *tree;
     mlrt_camera camera;
-    mlrt_camera view;
+    struct mlrt_source source; /* its rays */
 };
 
 static mlrt_tree *build_tree(const struct subject *subject, const mlrt_kdtree_options *options)
@@ -47,7 +47,7 @@ static mlrt_tree *build_tree(const struct subject *subject, const mlrt_kdtree_op
 
 static struct subject make_subject(const char *name)
 {
-    struct subject subject = {.name = name};
+    struct subject subject = {.name = name, .source = {.kind = MLRT_SOURCE_CAMERA}};
     assert_int_equal(load_scene(name, &subject.scene), 0);
     subject.mesh = (mlrt_mesh){.struct_size = sizeof subject.mesh};
     subject.mesh.vertices = (const void *)subject.scene.vertices;
@@ -56,7 +56,7 @@ static struct subject make_subject(const char *name)
     subject.mesh.triangle_count = (uint32_t)subject.scene.triangle_count;
     subject.tree = build_tree(&subject, NULL);
     assert_int_equal(camera_of_view(&subject.scene.view, SIDE, SIDE, &subject.camera), 0);
-    assert_int_equal(mlrt_make_view(&subject.camera, &subject.view), MLRT_OK);
+    assert_int_equal(mlrt_make_view(&subject.camera, &subject.source.view), MLRT_OK);
     return subject;
 }
 
@@ -78,9 +78,9 @@ static struct plain_ray pixel_ray(const struct subject *subject, uint32_t x, uin
 {
     struct plain_ray ray = {.t_max = INFINITY};
     float d[3];
-    mlrt_view_point(&subject->view, x, y, d);
+    mlrt_view_point(&subject->source.view, x, y, d);
     for (int k = 0; k < 3; k++) {
-        ray.origin[k] = subject->view.eye[k];
+        ray.origin[k] = subject->source.view.eye[k];
         ray.direction[k] = d[k];
     }
     return ray;
@@ -187,7 +187,7 @@ static void compare_entry_point(const struct subject *subject, const struct mlrt
     struct entry_point entry = {0, 0, subject->tree->bounds};
     mlrt_counters counters = {.struct_size = sizeof counters};
     uint32_t cover = MLRT_NONE;
-    if (!mlrt_make_view_beam(&subject->view, x, y, side, side, &beam)) return;
+    if (!mlrt_get_beam(&subject->source, x, y, side, side, &beam)) return;
     const int found = mlrt_find_entry_point(job, &beam, &entry, &cover, &counters);
     struct path path = {0}, common = {0};
     int is_first = 1;
@@ -335,7 +335,7 @@ static void culling_loses_no_ray_and_is_seldom_idle(void **state)
             for (uint32_t tile = 0; tile < 256; tile += 5) {
                 const uint32_t x = tile % 16 * 16, y = tile / 16 * 16;
                 struct mlrt_beam beam;
-                if (!mlrt_make_view_beam(&subject.view, x, y, 16, 16, &beam)) continue;
+                if (!mlrt_get_beam(&subject.source, x, y, 16, 16, &beam)) continue;
                 for (uint32_t i = 0; i < 256; i++) rays[i] = pixel_ray(&subject, x + i % 16, y + i / 16);
                 count_decisions(subject.tree, 0, &subject.tree->bounds, &beam, rays, 256, culls[c], &decisions);
             }
@@ -858,7 +858,7 @@ static void rays_of_arrays_get_their_hits(void **state)
             const int column = i % ARRAY_SIDE / 4, row = i / ARRAY_SIDE / 4;
             const int axis = kind == 3 ? (column + row) % 3 : 0;
             for (int k = 0; k < 3; k++)
-                origins[i][k] = 0.5f * (subject.view.eye[k] + (float)subject.scene.view.look[k]);
+                origins[i][k] = 0.5f * (subject.source.view.eye[k] + (float)subject.scene.view.look[k]);
             directions[i][axis] = kind == 3 ? 0.25f + 0.01f * (float)axis : 1;
             directions[i][(axis + 1) % 3] = kind == 0 ? x : kind == 3 ? 0.2f + x * 0.1f : 0.6f + 0.5f * x;
             directions[i][(axis + 2) % 3] = kind == 0 ? y : kind == 3 ? -0.2f + y * 0.1f : -0.6f + 0.5f * y;
@@ -930,7 +930,7 @@ static void pictures_along_several_axes_get_their_hits(void **state)
     struct subject subject = make_subject("room");
     float eye[3], target[3];
     for (int k = 0; k < 3; k++) {
-        eye[k] = 0.5f * (subject.view.eye[k] + (float)subject.scene.view.look[k]);
+        eye[k] = 0.5f * (subject.source.view.eye[k] + (float)subject.scene.view.look[k]);
         target[k] = eye[k] + (k == 2 ? -0.9f : 1);
     }
     const mlrt_camera camera = look_at(eye, target, 2, ARRAY_SIDE, ARRAY_SIDE);
@@ -1064,7 +1064,7 @@ static void packets_are_cut_into_groups(void **state)
                 /* From the eye, or from anywhere near; within a few degrees, or everywhere. */
                 const float spread = kind & 1 ? 1 : 0.02f, off = kind & 2 ? 0.5f : 0;
                 const float middle = (float)(subject.scene.view.look[k] - subject.scene.view.eye[k]);
-                origins[i][k] = subject.view.eye[k] + draw_range(&random, -off, off);
+                origins[i][k] = subject.source.view.eye[k] + draw_range(&random, -off, off);
                 directions[i][k] = middle * (kind & 1 ? 0 : 0.2f) + draw_range(&random, -spread, spread);
                 if (kind == 4) directions[i][k] = k ? draw_range(&random, -0.01f, 0.01f) : 1; /* around an axis */
             }

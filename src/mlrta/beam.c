@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "exact/rounding.h"
+#include "rays/slope_limits.h"
 #include "rays/source.h"
 
 void mlrt_set_slope(struct mlrt_beam *beam, int a, int j, double lo, double hi)
@@ -14,28 +15,8 @@ void mlrt_set_slope(struct mlrt_beam *beam, int a, int j, double lo, double hi)
         hi = INFINITY;
     }
     /* A lower bound of +inf and an upper bound of -inf are no bounds either. */
-    beam->slope_lo[a][j] = isinf(lo) ? -INFINITY : mlrt_float_down(lo - fabs(lo) * MLRT_SLOPE_SLACK);
-    beam->slope_hi[a][j] = isinf(hi) ? INFINITY : mlrt_float_up(hi + fabs(hi) * MLRT_SLOPE_SLACK);
-}
-
-/* Sets the main axis, and bounds of the slopes of all directions between lo and hi. Each component has one sign. */
-static void set_slopes(const float lo[3], const float hi[3], struct mlrt_beam *beam)
-{
-    float size[3];
-    beam->main_axis = 0;
-    for (int a = 0; a < 3; ++a) {
-        size[a] = fmaxf(-lo[a], hi[a]);
-        if (size[a] > size[beam->main_axis]) beam->main_axis = a;
-        for (int j = 0; j < 3; ++j) {
-            const double p = (double)lo[j] / lo[a], q = (double)lo[j] / hi[a];
-            const double r = (double)hi[j] / lo[a], s = (double)hi[j] / hi[a];
-            if (j == a) continue;
-            if (lo[a] == 0 || hi[a] == 0)
-                mlrt_set_slope(beam, a, j, -INFINITY, INFINITY);
-            else
-                mlrt_set_slope(beam, a, j, fmin(fmin(p, q), fmin(r, s)), fmax(fmax(p, q), fmax(r, s)));
-        }
-    }
+    beam->slope_lo[a][j] = isinf(lo) ? -INFINITY : mlrt_float_down(lo - fabs(lo) * SLOPE_SLACK);
+    beam->slope_hi[a][j] = isinf(hi) ? INFINITY : mlrt_float_up(hi + fabs(hi) * SLOPE_SLACK);
 }
 
 /* ---- cameras ------------------------------------------------------------------------------------------------- */
@@ -79,23 +60,16 @@ struct range {
     double hi;
 };
 
-/* Bounds of component k over the rays of the tile. */
-static struct range component_range(const struct corners *corners, int k)
+/* Bounds of component k over the rays of the tile. If it is exactly 0 for every pixel, it needs no pad. */
+static struct range component_range(const mlrt_camera *view, const struct corners *corners, int k)
 {
     struct range range = {corners->p[k][0], corners->p[k][0]};
+    if (view->d00[k] == 0 && view->dx[k] == 0 && view->dy[k] == 0) return (struct range){0, 0};
     for (int i = 1; i < 4; ++i) {
         range.lo = corners->p[k][i] < range.lo ? corners->p[k][i] : range.lo;
         range.hi = corners->p[k][i] > range.hi ? corners->p[k][i] : range.hi;
     }
-    range.lo -= corners->pad[k];
-    range.hi += corners->pad[k];
-    return range;
-}
-
-/* 1 if component k is exactly 0 for every pixel, so that it needs no pad. */
-static int is_zero_component(const mlrt_camera *view, int k)
-{
-    return view->d00[k] == 0 && view->dx[k] == 0 && view->dy[k] == 0;
+    return (struct range){range.lo - corners->pad[k], range.hi + corners->pad[k]};
 }
 
 /* Bounds the points of the rays along axis k: from the range of their origins forward, to t_max. */
@@ -111,25 +85,19 @@ static void set_region(struct mlrt_beam *beam, int k, double direction_lo, doubl
     beam->region.hi[k] = mlrt_float_up(hi + fabs(hi) * 0x1p-50);
 }
 
-static int make_pinhole_beam(const mlrt_camera *view, const struct corners *corners, struct mlrt_beam *beam)
+/*
+ * Sets the main axis and the slopes from the directions at the corners, which lie within `range`. Returns 0 if all of
+ * their components may be 0.
+ */
+static int set_corner_slopes(const struct corners *corners, const struct range range[3], struct mlrt_beam *beam)
 {
-    double reciprocal[3][4], nearest[3], largest = -1;
+    double reciprocal[3][4], nearest[3]; /* min |A_a| - p_a */
+    beam->main_axis = 0;
     for (int k = 0; k < 3; ++k) {
-        struct range range = is_zero_component(view, k) ? (struct range){0, 0} : component_range(corners, k);
-        if (range.lo < 0 && range.hi >= 0) return 0;
-        if (!mlrt_is_float_safe(view->eye[k])) return 0;
-        if (range.lo < -MLRT_SAFE_MAX || range.hi > MLRT_SAFE_MAX) return 0;
-        beam->negative[k] = range.hi < 0;
-        beam->origin_lo[k] = beam->origin_hi[k] = view->eye[k];
-        set_region(beam, k, range.lo, range.hi, view->t_max);
-        nearest[k] = beam->negative[k] ? -range.hi : range.lo; /* min |A_a| - p_a */
+        nearest[k] = beam->negative[k] ? -range[k].hi : range[k].lo;
+        if (nearest[k] > nearest[beam->main_axis]) beam->main_axis = k;
         for (int i = 0; i < 4; ++i) reciprocal[k][i] = 1 / corners->p[k][i];
-        if (nearest[k] > largest) {
-            largest = nearest[k];
-            beam->main_axis = k;
-        }
     }
-    if (largest <= 0) return 0;
     for (int a = 0; a < 3; ++a) {
         for (int j = 0; j < 3; ++j) {
             if (j == a) continue;
@@ -148,37 +116,63 @@ static int make_pinhole_beam(const mlrt_camera *view, const struct corners *corn
             mlrt_set_slope(beam, a, j, lo - slack, hi + slack);
         }
     }
-    beam->has_apex = 1;
-    return 1;
+    return nearest[beam->main_axis] > 0;
 }
 
-static int make_parallel_beam(const mlrt_camera *view, const struct corners *corners, struct mlrt_beam *beam)
-{
-    for (int k = 0; k < 3; ++k) {
-        const float d = view->direction[k];
-        struct range range = is_zero_component(view, k) ? (struct range){0, 0} : component_range(corners, k);
-        beam->negative[k] = d < 0;
-        beam->origin_lo[k] = mlrt_float_down(range.lo);
-        beam->origin_hi[k] = mlrt_float_up(range.hi);
-        if (!mlrt_is_float_safe(beam->origin_lo[k]) || !mlrt_is_float_safe(beam->origin_hi[k])) return 0;
-        set_region(beam, k, d, d, view->t_max);
-    }
-    set_slopes(view->direction, view->direction, beam);
-    beam->has_apex = 0;
-    return 1;
-}
-
-int mlrt_make_view_beam(const mlrt_camera *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
-                        struct mlrt_beam *beam)
+/*
+ * Makes the beam of a tile of a camera. Returns 0 if its rays differ in sign, or may not be float-safe. The corners'
+ * vectors are directions of a pinhole camera's rays, and origins of a parallel one's.
+ */
+static int make_camera_beam(const mlrt_camera *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+                            struct mlrt_beam *beam)
 {
     struct corners corners;
+    struct range origin, direction[3];
     find_corners(view, x, y, width, height, &corners);
     beam->may_cover = view->t_min == 0;
     beam->is_unlimited = isinf(view->t_max);
-    return mlrt_is_parallel(view) ? make_parallel_beam(view, &corners, beam) : make_pinhole_beam(view, &corners, beam);
+    beam->has_apex = !mlrt_is_parallel(view);
+    for (int k = 0; k < 3; ++k) {
+        origin = direction[k] = component_range(view, &corners, k);
+        if (mlrt_is_parallel(view)) {
+            direction[k].lo = direction[k].hi = view->direction[k];
+            for (int i = 0; i < 4; ++i) corners.p[k][i] = view->direction[k];
+            corners.pad[k] = 0;
+        } else {
+            origin.lo = origin.hi = view->eye[k];
+        }
+        if (direction[k].lo < 0 && direction[k].hi >= 0) return 0;
+        if (direction[k].lo < -MLRT_SAFE_MAX || direction[k].hi > MLRT_SAFE_MAX) return 0;
+        beam->negative[k] = direction[k].hi < 0;
+        beam->origin_lo[k] = mlrt_float_down(origin.lo);
+        beam->origin_hi[k] = mlrt_float_up(origin.hi);
+        if (!mlrt_is_float_safe(beam->origin_lo[k]) || !mlrt_is_float_safe(beam->origin_hi[k])) return 0;
+        set_region(beam, k, direction[k].lo, direction[k].hi, view->t_max);
+    }
+    return set_corner_slopes(&corners, direction, beam);
 }
 
 /* ---- arrays -------------------------------------------------------------------------------------------------- */
+
+/* Sets the main axis, and bounds of the slopes of all directions between lo and hi. Each component has one sign. */
+static void set_slopes(const float lo[3], const float hi[3], struct mlrt_beam *beam)
+{
+    float size[3];
+    beam->main_axis = 0;
+    for (int a = 0; a < 3; ++a) {
+        size[a] = fmaxf(-lo[a], hi[a]);
+        if (size[a] > size[beam->main_axis]) beam->main_axis = a;
+        for (int j = 0; j < 3; ++j) {
+            const double p = (double)lo[j] / lo[a], q = (double)lo[j] / hi[a];
+            const double r = (double)hi[j] / lo[a], s = (double)hi[j] / hi[a];
+            if (j == a) continue;
+            if (lo[a] == 0 || hi[a] == 0)
+                mlrt_set_slope(beam, a, j, -INFINITY, INFINITY);
+            else
+                mlrt_set_slope(beam, a, j, fmin(fmin(p, q), fmin(r, s)), fmax(fmax(p, q), fmax(r, s)));
+        }
+    }
+}
 
 /*
  * Widens [*lo, *hi] to hold coordinate k of the ray from its origin to t_max. The product is exact in double; `slack`
@@ -260,7 +254,7 @@ static int make_array_beam(const struct mlrt_source *source, uint32_t x, uint32_
 int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                   struct mlrt_beam *beam)
 {
-    const int made = source->kind == MLRT_SOURCE_CAMERA ? mlrt_make_view_beam(&source->view, x, y, width, height, beam)
+    const int made = source->kind == MLRT_SOURCE_CAMERA ? make_camera_beam(&source->view, x, y, width, height, beam)
                                                         : make_array_beam(source, x, y, width, height, beam);
     beam->may_cover = beam->may_cover && !mlrt_has_masks(source);
     return made;

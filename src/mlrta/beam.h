@@ -32,9 +32,6 @@ struct mlrt_beam {
     int is_unlimited; /* all rays are valid and have no t_max; 0 for rays of arrays */
 };
 
-/* The share of itself by which a bound of a slope is moved outward. */
-#define MLRT_SLOPE_SLACK 0x1p-20
-
 struct mlrt_source;
 
 /*
@@ -46,12 +43,5 @@ int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint
 
 /* Sets the bounds of d_j / d_a from lo <= d_j / d_a <= hi. If lo or hi is a NaN, the slope has no bounds. */
 void mlrt_set_slope(struct mlrt_beam *beam, int a, int j, double lo, double hi);
-
-/*
- * Makes the beam of a tile of a camera. Returns 0 if its rays differ in sign, or may not be float-safe
- * (exact/triangle.h).
- */
-int mlrt_make_view_beam(const mlrt_camera *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
-                        struct mlrt_beam *beam);
 
 #endif

@@ -33,41 +33,42 @@ struct corner_terms {
 
 /* The directions of the corners, of length 1 along the main axis: corner i has the slopes i & 1 and i >> 1. */
 struct corner_directions {
-    int axis[3]; /* the main one, and the two others */
-    double main; /* +-1 */
-    double slope[2][2];
-    double size[2]; /* the larger magnitude of the slopes over each axis */
+    int axis[3];    /* the main one, and the two others */
+    double d[4][3]; /* by the axes above */
+    double size[3]; /* the largest magnitude of each component */
 };
 
 static void set_corner_directions(const struct mlrt_beam *beam, struct corner_directions *corners)
 {
-    const int a = beam->main_axis;
-    corners->axis[0] = a;
-    corners->main = beam->negative[a] ? -1 : 1;
+    const int a = corners->axis[0] = beam->main_axis;
+    const double main = beam->negative[a] ? -1 : 1;
+    corners->size[0] = 1;
+    for (int corner = 0; corner < 4; ++corner) corners->d[corner][0] = main;
     for (int side = 0; side < 2; ++side) {
         const int j = corners->axis[side + 1] = (a + side + 1) % 3;
-        corners->slope[side][0] = beam->slope_lo[a][j] * corners->main;
-        corners->slope[side][1] = beam->slope_hi[a][j] * corners->main;
-        corners->size[side] = fmax(fabs(corners->slope[side][0]), fabs(corners->slope[side][1]));
+        const double lo = beam->slope_lo[a][j] * main, hi = beam->slope_hi[a][j] * main;
+        for (int corner = 0; corner < 4; ++corner) corners->d[corner][side + 1] = corner >> side & 1 ? hi : lo;
+        corners->size[side + 1] = fmax(fabs(lo), fabs(hi));
     }
+}
+
+MLRT_INLINE double product_of(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* Sets term i at the corners: that of the vector p x q, by the components along the corners' axes. */
 static void set_corner_term(const struct corner_directions *corners, const double p[3], const double q[3], int i,
                             double cross[3], double size[3], struct corner_terms *terms)
 {
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const double r = p[(k + 1) % 3] * q[(k + 2) % 3], s = p[(k + 2) % 3] * q[(k + 1) % 3];
         cross[k] = r - s;
         size[k] = fabs(r) + fabs(s);
     }
-    double part[2][2];
-    for (int side = 0; side < 2; ++side) {
-        for (int end = 0; end < 2; ++end) part[side][end] = corners->slope[side][end] * cross[side + 1];
-    }
-    for (int corner = 0; corner < 4; ++corner)
-        terms->value[i][corner] = corners->main * cross[0] + part[0][corner & 1] + part[1][corner >> 1];
-    terms->bound[i] = (size[0] + corners->size[0] * size[1] + corners->size[1] * size[2]) * 0x1p-49;
+    for (int corner = 0; corner < 4; ++corner) terms->value[i][corner] = product_of(corners->d[corner], cross);
+    terms->bound[i] = product_of(corners->size, size) * 0x1p-49;
 }
 
 static void set_corner_terms(const struct mlrt_triangle *triangle, const struct mlrt_beam *beam,
@@ -83,7 +84,7 @@ static void set_corner_terms(const struct mlrt_triangle *triangle, const struct 
     }
     for (int i = 0; i < 3; ++i) set_corner_term(corners, vertex[i], vertex[i + 1], i, cross, size, terms);
     set_corner_term(corners, edge[0], edge[1], 3, cross, size, terms);
-    terms->distance = vertex[0][0] * cross[0] + vertex[0][1] * cross[1] + vertex[0][2] * cross[2];
+    terms->distance = product_of(vertex[0], cross);
     terms->distance_bound =
         (fabs(vertex[0][0]) * size[0] + fabs(vertex[0][1]) * size[1] + fabs(vertex[0][2]) * size[2]) * 0x1p-49;
 }
@@ -155,8 +156,7 @@ static void end_region_at_cover(const struct corner_terms *cover, const struct c
 {
     struct mlrt_box end = MLRT_NO_BOX;
     for (int corner = 0; corner < 4; ++corner) {
-        const double d[3] = {corners->main, corners->slope[0][corner & 1], corners->slope[1][corner >> 1]};
-        const double near = least_depth(cover, corner), far = greatest_depth(cover, corner);
+        const double *d = corners->d[corner], near = least_depth(cover, corner), far = greatest_depth(cover, corner);
         for (int i = 0; i < 3; ++i) {
             const int k = corners->axis[i];
             const double o = beam->origin_lo[k], p = near * d[i], q = far * d[i];
