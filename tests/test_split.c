@@ -116,7 +116,7 @@ static int find_wall(const struct mlrt_triangle *triangles, const struct mlrt_re
     uint32_t keys[64];
     double areas[32];
     const struct mlrt_content content = mlrt_measure_content(cell, references, count, NULL);
-    return mlrt_may_be_covered(&content) && mlrt_find_covered_plane(triangles, &content, keys, areas, split);
+    return mlrt_find_covered_plane(triangles, &content, keys, areas, split);
 }
 
 static void test_a_wall_is_found_and_goes_to_the_smaller_cell(void **state)

@@ -278,19 +278,14 @@ static int emit_leaf(struct part *part, const struct cell *cell, double *cost)
 
 /* ---- splits -------------------------------------------------------------------------------------------------- */
 
-struct side_counts {
-    size_t below;
-    size_t above;
-    size_t both;
-};
-
-static struct side_counts count_sides(const struct part *part, const struct cell *cell, const struct mlrt_split *split)
+/* Counts the references below, on both sides of, and above the split. */
+static void count_sides(const struct part *part, const struct cell *cell, const struct mlrt_split *split,
+                        size_t counts[3])
 {
-    size_t counts[3] = {0, 0, 0};
     const struct mlrt_reference *references = reference_at(part, cell->first);
+    counts[0] = counts[1] = counts[2] = 0;
     for (size_t i = 0; i < cell->count && !mlrt_is_cancelled_in_round(part->build->progress, i + 1); i++)
         counts[mlrt_side_of_split(&references[i], split) + 1]++;
-    return (struct side_counts){counts[0], counts[2], counts[1]};
 }
 
 enum choice { CHOICE_FAILED, CHOICE_LEAF, CHOICE_SPLIT };
@@ -301,34 +296,28 @@ enum choice { CHOICE_FAILED, CHOICE_LEAF, CHOICE_SPLIT };
  * strict to demand that the split pays with its step included: then walls of rooms are not split off, which takes one
  * step for each (erw6: 13 %).
  */
-static enum choice try_covered_plane(const struct part *part, const struct cell *cell,
-                                     const struct mlrt_content *content, struct mlrt_split *split)
+static int try_covered_plane(const struct part *part, const struct cell *cell, const struct mlrt_content *content,
+                             double *scratch, struct mlrt_split *split)
 {
     const struct build *build = part->build;
     const struct mlrt_cost_model *model = &build->settings.preset.model;
-    if (!mlrt_may_be_covered(content)) return CHOICE_LEAF;
-    double *areas = get_scratch(part, cell->count);
-    if (areas == NULL) return CHOICE_FAILED;
-    uint32_t *keys = (uint32_t *)(void *)(areas + cell->count);
-    if (!mlrt_find_covered_plane(build->triangles, content, keys, areas, split)) return CHOICE_LEAF;
-    const struct side_counts sides = count_sides(part, cell, split);
-    split->cost = mlrt_split_cost(model, &cell->box, split, sides.below + sides.both, sides.above + sides.both);
-    return split->cost < leaf_cost(build, cell->count) + model->traversal ? CHOICE_SPLIT : CHOICE_LEAF;
+    uint32_t *keys = (uint32_t *)(void *)(scratch + cell->count);
+    size_t counts[3];
+    if (!mlrt_find_covered_plane(build->triangles, content, keys, scratch, split)) return 0;
+    count_sides(part, cell, split, counts);
+    split->cost = mlrt_split_cost(model, &cell->box, split, counts[0] + counts[1], counts[1] + counts[2]);
+    return split->cost < leaf_cost(build, cell->count) + model->traversal;
 }
 
 /* The cheapest split, if it pays or the cell may have another bad split. */
-static enum choice try_cheapest_split(const struct part *part, struct cell *cell, const struct mlrt_content *content,
-                                      struct mlrt_split *split)
+static int try_cheapest_split(const struct build *build, struct cell *cell, const struct mlrt_content *content,
+                              uint32_t *keys, struct mlrt_split *split)
 {
-    const struct build *build = part->build;
     const struct mlrt_cost_model *model = &build->settings.preset.model;
-    uint32_t *keys = (void *)get_scratch(part, cell->count);
-    if (keys == NULL) return CHOICE_FAILED;
     (cell->count > BINNING_THRESHOLD ? mlrt_find_binned_split : mlrt_find_exact_split)(model, content, keys, split);
-    if (split->cost == HUGE_VAL) return CHOICE_LEAF;
-    if (split->cost < leaf_cost(build, cell->count)) return CHOICE_SPLIT;
-    const int may_be_bad = cell->count >= BAD_REFINEMENT_MINIMUM && cell->bad_refinement_count++ < BAD_REFINEMENT_LIMIT;
-    return may_be_bad ? CHOICE_SPLIT : CHOICE_LEAF;
+    if (split->cost == HUGE_VAL) return 0;
+    if (split->cost < leaf_cost(build, cell->count)) return 1;
+    return cell->count >= BAD_REFINEMENT_MINIMUM && cell->bad_refinement_count++ < BAD_REFINEMENT_LIMIT;
 }
 
 static enum choice choose_split(const struct part *part, struct cell *cell, struct mlrt_split *split)
@@ -343,11 +332,11 @@ static enum choice choose_split(const struct part *part, struct cell *cell, stru
     const struct mlrt_content content =
         mlrt_measure_content(&cell->box, reference_at(part, cell->first), cell->count, build->progress);
     if (rule_is_on(build, MLRT_RULE_EMPTY_SPACE) && mlrt_find_empty_side(&content, split)) return CHOICE_SPLIT;
-    if (rule_is_on(build, MLRT_RULE_COPLANAR)) {
-        const enum choice choice = try_covered_plane(part, cell, &content, split);
-        if (choice != CHOICE_LEAF) return choice;
-    }
-    return try_cheapest_split(part, cell, &content, split);
+    double *scratch = get_scratch(part, cell->count);
+    if (scratch == NULL) return CHOICE_FAILED;
+    if (rule_is_on(build, MLRT_RULE_COPLANAR) && try_covered_plane(part, cell, &content, scratch, split))
+        return CHOICE_SPLIT;
+    return try_cheapest_split(build, cell, &content, (void *)scratch, split) ? CHOICE_SPLIT : CHOICE_LEAF;
 }
 
 /* ---- partition ----------------------------------------------------------------------------------------------- */
@@ -460,7 +449,9 @@ static enum choice cut(struct part *part, struct cell *cell, struct mlrt_split *
     const enum choice choice = choose_split(part, cell, split);
     if (is_cancelled_at(part, cell)) return CHOICE_FAILED;
     if (choice != CHOICE_SPLIT) return choice;
-    const size_t both = count_sides(part, cell, split).both;
+    size_t counts[3];
+    count_sides(part, cell, split, counts);
+    const size_t both = counts[1];
     if (is_cancelled_at(part, cell)) return CHOICE_FAILED;
     if (both > cell->reference_limit - cell->count) return CHOICE_LEAF;
     if (!reserve(part->build, &part->built.references, cell->first + cell->count + both, sizeof(struct mlrt_reference)))

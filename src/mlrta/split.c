@@ -193,11 +193,6 @@ static int may_be_covered_along(const struct mlrt_content *content, uint32_t axi
     return extent(content->cell, axis) > 0 && enough > 0 && content->planar_area[axis] >= enough;
 }
 
-int mlrt_may_be_covered(const struct mlrt_content *content)
-{
-    return may_be_covered_along(content, 0) || may_be_covered_along(content, 1) || may_be_covered_along(content, 2);
-}
-
 /*
  * Stores the positions of planar references in `keys`, ascending and each once, if their slices have enough area.
  * Returns the number of positions.

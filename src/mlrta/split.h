@@ -80,9 +80,6 @@ struct mlrt_content mlrt_measure_content(const struct mlrt_box *cell, const stru
  */
 int mlrt_find_empty_side(const struct mlrt_content *content, struct mlrt_split *split);
 
-/* 1 if rule 2 may find a plane: along an axis, enough area is planar. */
-int mlrt_may_be_covered(const struct mlrt_content *content);
-
 /*
  * Rule 2: a plane that the triangles in it cover wholly; of several, the one nearest to the middle of the cell. `keys`
  * has room for 2 * count, `areas` for count. Returns 1 if there is one. Does not set the cost.
