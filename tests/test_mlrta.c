@@ -47,7 +47,7 @@ static mlrt_tree *build_tree(const struct subject *subject, const mlrt_kdtree_op
 
 static struct subject make_subject(const char *name)
 {
-    struct subject subject = {.name = name, .source = {.kind = MLRT_SOURCE_CAMERA}};
+    struct subject subject = {.name = name, .source = {.kind = MLRT_SOURCE_CAMERA, .common_mask = MLRT_MASK_ALL}};
     assert_int_equal(load_scene(name, &subject.scene), 0);
     subject.mesh = (mlrt_mesh){.struct_size = sizeof subject.mesh};
     subject.mesh.vertices = (const void *)subject.scene.vertices;
