@@ -459,9 +459,9 @@ def draw_pays(rows, path):
         axes.set_xlabel("rays")
     handles = [Line2D([], [], linestyle="", marker="s", markersize=10, color=colour, label=title) for title, colour in PAYS.values()]
     handles.append(Line2D([], [], color="black", label="the default takes so many times as long"))
-    figure.legend(handles=handles, loc="lower center", ncol=3, frameon=False)
+    figure.legend(handles=handles, loc="lower center", ncol=3, frameon=False, bbox_to_anchor=(0.5, 0.015))
     figure.suptitle("What to build: least time for building and tracing together, one thread", fontsize=12)
-    figure.tight_layout(rect=(0, 0.075, 1, 0.99))
+    figure.tight_layout(rect=(0, 0.09, 1, 0.99))
     finish(figure, path)
 
 
