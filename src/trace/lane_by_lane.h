@@ -387,9 +387,7 @@ MLRT_INLINE void push_lanes(const struct mlrt_packet *packet, const struct mlrt_
     }
 }
 
-/*
- * The terms of triangles for rays of one origin: products of these vectors with a direction are edge functions and D.
- */
+/* The terms of triangles for rays of one origin: products of these vectors with a direction are e_ca, -e_ab and D. */
 struct triangles_from_origin {
     MLRT_ALIGNED(64) float ca[3][MLRT_BVH_LEAF_LIMIT];
     MLRT_ALIGNED(64) float ab[3][MLRT_BVH_LEAF_LIMIT];

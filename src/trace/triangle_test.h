@@ -10,9 +10,9 @@
  *
  * Corner a is the first operand of all differences, since loads are the second.
  *
- * Let u = 2^-24. p, g and h have 1 rounding per component, n and r have 3 more (product, difference, and those of the
- * other factor). D, e_ca and e_ab have 1 + 3 roundings from their factors and 3 more from product and sums: 7; N has 8.
- * Each is a determinant of three vectors, and its error is relative to the sum of the magnitudes of its six products.
+ * Let u = 2^-24. p, g and h have 1 rounding per component, r has 3 (p, product, difference), and n has 4. Product and
+ * sums of a dot product add 3. So D, e_ca and e_ab have 7 roundings, and N has 8. Each is a determinant of three
+ * vectors, and its error is relative to the sum of the magnitudes of its six products.
  * Let m be the largest |d_k|, and S, G, H the sums of the magnitudes of the components of p, g, h. For e_ca the sum of
  * the products is at most m S G: |p_i| |d_j| + |p_j| |d_i| <= m S, times |g_k|, summed over k. Likewise it is at most
  * m S H for e_ab, m G H for D, and S G H for N. e_bc has two roundings more, of at most the sum of the three. So
