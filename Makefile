@@ -334,6 +334,7 @@ reproduce: | $(AFTER_DEPS)
 STUDY_RAYS ?= 131072
 SWEEP_RAYS ?= 8192
 RUNS ?= 3
+LIVES ?= 3
 BENCH ?=
 PYTHON ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import matplotlib' 2>/dev/null && echo $(p))) python3)
 OF_SCENES = $(addprefix --scene ,$(1) $(if $(SCENES),$(wildcard $(2:%=$(SCENES)/%.ply)))) $(addprefix --views ,$(VIEWS))
@@ -344,6 +345,7 @@ STUDY_ALL = $(call OF_SCENES,room office building scan sphere,$(PAPER_FILES))
 BENCH_ALL = $(call OF_SCENES,$(if $(SCENES),doubled,room office building doubled scan sphere),$(BENCH_FILES))
 PAPER_ALL = $(addprefix --scene ,$(SCENE_FILES)) $(addprefix --views ,$(VIEWS))
 PAPER_ROOMS = $(call OF_SCENES,$(if $(SCENES),,room office),$(PAPER_FILES))
+IN_LIVES = python3 examples/bench/lives.py --lives $(LIVES) $(BUILD)/bin/bench --csv
 PAPER_TILES = --its 128 --mts 8 --sf 16
 
 # The library without exactness, for what exactness costs.
@@ -354,8 +356,8 @@ $(GUESSING): $(wildcard src/*/*.[ch]) include/mlrt.h
 endif
 ACCURACY = $(BUILD)/bin/accuracy --csv --guess $(GUESSING)
 
-DATA_bench-avx512 = $(BUILD)/bin/bench --csv --isa avx512 --runs $(RUNS) $(BENCH_ALL) $(BENCH)
-DATA_bench-avx2 = $(BUILD)/bin/bench --csv --isa avx2 --peer-isa avx2 --runs $(RUNS) $(BENCH_ALL) $(BENCH)
+DATA_bench-avx512 = $(IN_LIVES) --isa avx512 --runs $(RUNS) $(BENCH_ALL) $(BENCH)
+DATA_bench-avx2 = $(IN_LIVES) --isa avx2 --peer-isa avx2 --runs $(RUNS) $(BENCH_ALL) $(BENCH)
 DATA_bench-calls = $(BUILD)/bin/bench --study calls --alone --runs 7 $(call OF_SCENES,$(if $(SCENES),,room),erw6) $(BENCH)
 DATA_bench-build-1 = $(BUILD)/bin/bench --study build --threads 1 --runs $(RUNS) $(BENCH_ALL) $(BENCH)
 DATA_bench-build-2 = $(BUILD)/bin/bench --study build --threads 2 --runs $(RUNS) $(BENCH_ALL) $(BENCH)
@@ -367,7 +369,7 @@ DATA_stability = $(ACCURACY) --study stability --rays $(SWEEP_RAYS)
 DATA_stages = $(ACCURACY) --study stages $(STUDY_ALL) --generator camera,random,edge --rays $(STUDY_RAYS)
 DATA_errors = $(BUILD)/bin/errors --guess $(GUESSING) -o docs/errors.png
 DATA_pays = $(BUILD)/bin/pays --csv --largest 9 && $(BUILD)/bin/pays --csv --scene room,doubled,office,building | tail -n +2
-DATA_price = $(BUILD)/bin/bench --csv --alone --against $(GUESSING) --runs $(RUNS) $(call OF_SCENES,room office building scan sphere doubled,$(PAPER_FILES))
+DATA_price = $(IN_LIVES) --alone --against $(GUESSING) --runs $(RUNS) $(call OF_SCENES,room office building scan sphere doubled,$(PAPER_FILES))
 DATA_price-guess = $(BUILD)/bin/price --csv --guess $(GUESSING) --runs 5 $(call OF_SCENES,room office building scan,$(PAPER_FILES) clinic_bim cruiser_mgf dragon)
 DATA_price-worst = $(BUILD)/bin/price --csv --worst --runs 5 $(call OF_SCENES,building,$(PAPER_FILES) dragon lost_empire)
 DATA_depth-small = $(BUILD)/bin/depth --csv

@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""copies.py - the speeds that a program prints, as medians over several copies of its libraries
+"""lives.py - the speeds that a program prints, as medians over several lives of its libraries
 
-    copies.py [--copies N] PROGRAM [ARGUMENT]...
+    lives.py [--lives N] PROGRAM [ARGUMENT]...
 
 runs PROGRAM, which prints CSV (bench --csv, say), N times, one after the other, and prints its lines once: texts and whole numbers as
-they are, which must agree, and the median of each number with a decimal point.
+they are, which must agree, and the median of each number with a decimal point. On stderr: how far apart the runs' numbers lie.
 
-Where the pages of a shared object lie in memory moves its speed, and as a file stays where it is while the system caches it, all
-programs that load it share this chance. So for each run all libraries that take part are copied to a folder of their own: the
-library of build/, Embree, and another build of the library after --against. On stderr: how far each number's runs lie apart.
+Where the pages of a shared object lie in memory moves its speed. A file stays where it is as long as the system caches it, so all
+programs that load it share this chance. So each time, all libraries that take part are copied to a folder of their own: that of
+build/, Embree, and another build of the library after --against. Besides, what else happens on a machine for some minutes moves one
+life only.
 """
 import argparse
 import csv
@@ -52,7 +53,7 @@ def median_of(values):
     """Of one cell in all runs."""
     if not all(re.fullmatch(r"\d+\.\d+", value) for value in values):
         if len(set(values)) > 1:
-            sys.exit(f"copies.py: runs disagree: {values}")
+            sys.exit(f"lives.py: runs disagree: {values}")
         return values[0]
     decimals = len(values[0].split(".")[1])
     return f"{statistics.median(map(float, values)):.{decimals}f}"
@@ -66,13 +67,13 @@ def spread_of(values):
 
 def main():
     parser = argparse.ArgumentParser(usage=__doc__.split("\n\n")[1].strip())
-    parser.add_argument("--copies", type=int, default=3)
+    parser.add_argument("--lives", type=int, default=3)
     parser.add_argument("program")
     parser.add_argument("arguments", nargs=argparse.REMAINDER)
     options = parser.parse_args()
-    runs = [run_copy(options.program, options.arguments) for _ in range(options.copies)]
+    runs = [run_copy(options.program, options.arguments) for _ in range(options.lives)]
     if len({len(run) for run in runs}) > 1:
-        sys.exit("copies.py: runs print different numbers of lines")
+        sys.exit("lives.py: runs print different numbers of lines")
     rows = list(zip(*runs))
     writer = csv.writer(sys.stdout, lineterminator="\n")
     spreads = []
@@ -81,7 +82,7 @@ def main():
         writer.writerow(median_of(cell) for cell in cells)
         spreads += [spread for spread in map(spread_of, cells) if spread]
     if spreads:
-        print(f"copies.py: greatest over least of {options.copies} runs: median {statistics.median(spreads):.2f}, "
+        print(f"lives.py: greatest over least of {options.lives} runs: median {statistics.median(spreads):.2f}, "
               f"greatest {max(spreads):.2f}", file=sys.stderr)
 
 
