@@ -621,16 +621,16 @@ static int load_single(const float *input, int is_any, struct float_test *test)
         const vf ca[3] = {of.ca[0][0], of.ca[1][0], of.ca[2][0]}, ab[3] = {of.ab[0][0], of.ab[1][0], of.ab[2][0]};
         const vf normal[3] = {of.normal[0][0], of.normal[1][0], of.normal[2][0]};
         test->determinant = dot_product(d, normal);
-        test->above = of.edge_bound[0];
-        set_extreme_edges(dot_product(d, ca), dot_product(d, ab), test);
+        test->edge_bound = of.edge_bound[0];
+        test->inner = inside_of_sides(dot_product(d, ca), dot_product(d, ab), test->determinant);
         test->plane_bound = of.plane_bound[0];
         test->distance = of.distance[0];
         test->distance_bound = of.distance_bound[0];
     }
     load_direction(input, direction);
     load_exactly(input, direction);
-    assert_true(test->above > 0 && test->plane_bound > 0 && test->distance_bound > 0);
-    assert_true(isinf(test->above) || (isfinite(test->least) && isfinite(test->greatest)));
+    assert_true(test->edge_bound > 0 && test->plane_bound > 0 && test->distance_bound > 0);
+    assert_true(isinf(test->edge_bound) || isfinite(test->inner));
     assert_true(isinf(test->plane_bound) || isfinite(test->determinant));
     assert_true(isinf(test->distance_bound) || isfinite(test->distance));
     return has_direction(input);
@@ -641,7 +641,7 @@ static double attack_single_edges(const float *input)
     double worst = -1;
     for (int is_any = 0; is_any < 2; ++is_any) {
         struct float_test test;
-        if (!load_single(input, is_any, &test) || isinf(test.above)) continue;
+        if (!load_single(input, is_any, &test) || isinf(test.edge_bound)) continue;
         find_edge(0, truth);
         mpf_set(other_truth, truth);
         for (int i = 1; i < 3; ++i) {
@@ -651,8 +651,9 @@ static double attack_single_edges(const float *input)
             if (mpf_cmp(edge, truth) < 0) mpf_set(truth, edge);
             if (mpf_cmp(edge, other_truth) > 0) mpf_set(other_truth, edge);
         }
-        worst = fmax(worst, error_over(truth, test.least, test.above));
-        worst = fmax(worst, error_over(other_truth, test.greatest, test.above));
+        mpf_neg(other_truth, other_truth);
+        if (mpf_cmp(other_truth, truth) > 0) mpf_set(truth, other_truth);
+        worst = fmax(worst, error_over(truth, test.inner, test.edge_bound));
     }
     return worst;
 }
@@ -688,8 +689,8 @@ static double attack_single_t(const float *input)
     for (int is_any = 0; is_any < 2; ++is_any) {
         struct float_test test;
         if (!load_single(input, is_any, &test)) continue;
-        test.least = test.greatest = FLT_MAX;
-        test.above = 0;
+        test.inner = FLT_MAX;
+        test.edge_bound = 0;
         const struct verdict verdict = compare_distances(&test, ALL_LANES, 0, INFINITY, INFINITY, 0);
         if (!verdict.nearer || isinf(verdict.hi)) continue;
         find_d_and_n(other_truth, truth);

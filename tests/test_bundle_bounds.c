@@ -623,7 +623,7 @@ static void find_edges(const struct mlrt_bundle_leaf *of, int has_places, struct
     }
 }
 
-/* In units of size / |d_main|. An edge is put in the place of the others, since only the least of all three is kept. */
+/* In units of size / |d_main|. One edge at a time is the least of the three, as only that is kept. */
 static double edges_over(const float *input, int has_places)
 {
     static struct edge_values found;
@@ -633,14 +633,15 @@ static double edges_over(const float *input, int has_places)
     for (int i = 0; i < 3; i++) {
         struct mlrt_bundle_leaf one = leaf;
         for (int j = 0; j < 3; j++) {
-            one.edges.constant[j][0] = leaf.edges.constant[i][0];
-            memcpy(one.edges.coefficient[j], leaf.edges.coefficient[i], sizeof one.edges.coefficient[j]);
+            if (j == i) continue;
+            one.edges.constant[j][0] = FLT_MAX;
+            memset(one.edges.coefficient[j], 0, sizeof one.edges.coefficient[j]);
         }
         find_edges(&one, has_places, &found);
         find_edge(i, 0);
         turn_as_leaf();
         set_scale(divisors[EDGE_DIVISOR(i)], tile.rays[0].pace[0]);
-        worst = fmax(worst, fabs(error_over(found.least[0][0], found.bound[0])));
+        worst = fmax(worst, fabs(error_over(found.inner[0][0], found.bound[0])));
     }
     return worst;
 }
@@ -894,9 +895,8 @@ static int test_ray(int has_places, struct bundle_vector *of, struct plane_of_ra
     for (int i = 0; i < 3; i++) of->to_waist[i] = has_places ? tile.rays[0].to_waist[i][0] : 0;
     find_edges(&leaf, has_places, &edges);
     if (!edges.of_vector[0]) return -1;
-    const float least = edges.least[0][0], greatest = edges.greatest[0][0], bound = edges.bound[0];
-    vm inside = v_gt(least, bound), may = v_ge(least, -bound);
-    if (has_places) inside = m_or(inside, v_lt(greatest, -bound)), may = m_or(may, v_le(greatest, bound));
+    const float inner = edges.inner[0][0], bound = edges.bound[0];
+    const vm inside = v_gt(inner, bound), may = v_ge(inner, -bound);
     const uint32_t undecided =
         test_distances(&leaf, 0, &bounds, tile.rays[0].begin, has_places, may, inside, of, plane);
     return of->nearest.triangle == number ? 1 : undecided ? 0 : -1;

@@ -111,19 +111,24 @@ struct verdict {
 
 /* The numbers that the filter compares, and bounds of their errors. */
 struct float_test {
-    vf least;    /* of the three edge functions */
-    vf greatest; /* of the three */
-    vf above;    /* their bound */
+    vf inner;      /* how far inside of the edges: the least of the edge functions, or of their opposites */
+    vf edge_bound; /* of that */
     vf determinant;
     vf plane_bound;
     vf distance;
     vf distance_bound;
 };
 
+/* How far a ray passes inside of three edges: below 0 if the functions of two differ in sign. */
+MLRT_INLINE vf inside_of_edges(vf ab, vf ca, vf bc)
+{
+    return v_max(v_min(v_min(ab, ca), bc), v_opposite(v_max(v_max(ab, ca), bc))); /* bc is the last to be known */
+}
+
 /* The lanes of `active` that are not surely outside the edges. */
 MLRT_INLINE vm may_be_inside(const struct float_test *test, vm active)
 {
-    return m_andnot(active, v_gt(v_min(test->greatest, v_opposite(test->least)), test->above));
+    return m_andnot(active, v_lt(test->inner, v_opposite(test->edge_bound)));
 }
 
 /* Bounds of N and D, whose fraction is t, in signs that make D positive. */
@@ -159,7 +164,7 @@ MLRT_INLINE struct verdict compare_with_nearest_hits(const struct float_test *te
     const struct fraction t = bound_fraction(test);
     const vm certain = m_and(candidates, v_gt(t.least_d, test->plane_bound));
     const vm nearer = m_and(v_lt(t.greatest_n, v_mul(lo, t.least_d)), v_gt(t.least_n, v_mul(t_min, t.greatest_d)));
-    verdict.inside = m_and(certain, v_gt(v_max(test->least, v_opposite(test->greatest)), test->above));
+    verdict.inside = m_and(certain, v_gt(test->inner, test->edge_bound));
     verdict.nearer = m_and(verdict.inside, nearer);
     verdict.undecided = m_andnot(candidates, verdict.nearer);
     verdict.lo = verdict.hi = v_set1(0);

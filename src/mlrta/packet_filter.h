@@ -64,9 +64,8 @@ MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, flo
     const vf ab = dot_product(d, terms->cross[0]), bc = dot_product(d, terms->cross[1]),
              ca = dot_product(d, terms->cross[2]);
     struct float_test test;
-    test.least = v_min(v_min(ab, bc), ca);
-    test.greatest = v_max(v_max(ab, bc), ca);
-    test.above = v_set1(EDGE_BOUND * reach);
+    test.inner = inside_of_edges(ab, ca, bc);
+    test.edge_bound = v_set1(EDGE_BOUND * reach);
     const vm candidates = may_be_inside(&test, active);
     if (!m_bits(candidates)) return (struct verdict){candidates, candidates, candidates, v_set1(0), v_set1(0)};
     test.determinant = dot_product(d, terms->cross[3]);

@@ -435,7 +435,7 @@ MLRT_INLINE uint32_t set_up_from_origin(const struct lanes_search *search, const
         for (int k = 0; k < 3; ++k) to[k] = v_sub(term[k], v_set1(search->origin[k]));
         set_edge_bound(term, to, &test);
         set_plane(term, to, &test);
-        v_store(terms->edge_bound + v, test.above);
+        v_store(terms->edge_bound + v, test.edge_bound);
         v_store(terms->plane_bound + v, test.plane_bound);
         v_store(terms->distance_bound + v, test.distance_bound);
         v_store(terms->distance + v, test.distance);
@@ -464,8 +464,8 @@ MLRT_INLINE uint32_t test_triangle_from_origin(const struct mlrt_job *job, const
         normal[k] = v_set1(terms->normal[k][place]);
     }
     test.determinant = dot_product(d, normal);
-    test.above = v_set1(terms->edge_bound[place]);
-    set_extreme_edges(dot_product(d, ca), dot_product(d, ab), &test);
+    test.edge_bound = v_set1(terms->edge_bound[place]);
+    test.inner = inside_of_sides(dot_product(d, ca), dot_product(d, ab), test.determinant);
     vm candidates = may_be_inside(&test, m_from_bits(lanes >> v));
     if (!m_bits(candidates)) return 0;
     candidates = m_and(candidates, concerned_rays(packet, lanes, number, v));

@@ -21,10 +21,9 @@
 
 #define PACKET_VECTORS (MLRT_PACKET_RAYS / VW)
 
-/* Of each triangle and each ray of a packet, the least and the greatest of the three edge functions. */
+/* Of each triangle and each ray of a packet, how far the ray passes inside of the edges (inside_of_edges). */
 struct edge_values {
-    MLRT_ALIGNED(64) float least[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float greatest[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float inner[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float bound[MLRT_BVH_LEAF_LIMIT]; /* error bounds; without places [0] is that of all */
     uint32_t of_vector[PACKET_VECTORS];                /* of each vector of rays: the triangles that may be hit */
 };
@@ -74,12 +73,10 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
         MLRT_UNROLL
         for (int n = 0; n < count; ++n) {
             const int v = VW * (first + n);
-            v_store(of->least[triangle] + v, least[n]);
-            if (has_places) v_store(of->greatest[triangle] + v, greatest[n]);
+            const vf inner = has_places ? v_max(least[n], v_opposite(greatest[n])) : least[n];
+            v_store(of->inner[triangle] + v, inner);
             /* Lanes that are not active have NaN, of which no comparison is true. */
-            vm may = v_ge(least[n], v_sub(v_set1(0), bound));
-            if (has_places) may = m_or(may, v_le(greatest[n], bound));
-            may = m_andnot(may, i_eq(skip[n], i_set1(leaf->numbers[triangle])));
+            const vm may = m_andnot(v_ge(inner, v_opposite(bound)), i_eq(skip[n], i_set1(leaf->numbers[triangle])));
             met[n] |= m_bits(may) ? bit : 0;
         }
     }
@@ -173,15 +170,10 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
     for (uint32_t met = edges->of_vector[v / VW]; met; met &= met - 1) {
         const uint32_t triangle = mlrt_lowest_bit(met), number = leaf->numbers[triangle];
         if (has_places) bound = v_set1(edges->bound[triangle]);
-        const vf least = v_load(edges->least[triangle] + v), below = v_sub(v_set1(0), bound);
+        const vf inner = v_load(edges->inner[triangle] + v);
+        const vm inside = v_gt(inner, bound);
         const vm known = m_or(i_eq(of.nearest.triangle, i_set1(number)), i_eq(skip, i_set1(number)));
-        vm inside = v_gt(least, bound), may = v_ge(least, below);
-        if (has_places) {
-            const vf greatest = v_load(edges->greatest[triangle] + v);
-            inside = m_or(inside, v_lt(greatest, below));
-            may = m_or(may, v_le(greatest, bound));
-        }
-        may = m_andnot(may, known);
+        vm may = m_andnot(v_ge(inner, v_opposite(bound)), known);
         if (job->any) may = m_and(may, i_eq(of.nearest.triangle, i_set1(MLRT_NONE)));
         if (MLRT_UNLIKELY(packet->has.masks)) {
             may = m_from_bits(mlrt_seeing_lanes(job->tree, number, packet->mask, m_bits(may) << v) >> v);

@@ -93,12 +93,10 @@ MLRT_INLINE void set_side_sizes(float reach, vf term[SIDE_TERMS])
     term[SIDE_PLANE_FACTOR] = v_mul(term[SIDE_PLANE_SIZE], v_set1(reach));
 }
 
-/* Sets the least and the greatest edge function, given e_ca, -e_ab and D. */
-MLRT_INLINE void set_extreme_edges(vf ca, vf opposite_ab, struct float_test *test)
+/* How far a ray passes inside of the edges, given e_ca, -e_ab and D. */
+MLRT_INLINE vf inside_of_sides(vf ca, vf opposite_ab, vf determinant)
 {
-    const vf ab = v_opposite(opposite_ab), bc = v_add(v_sub(test->determinant, ca), opposite_ab);
-    test->least = v_min(v_min(ab, ca), bc); /* bc is the last to be known */
-    test->greatest = v_max(v_max(ab, ca), bc);
+    return inside_of_edges(v_opposite(opposite_ab), ca, v_add(v_sub(determinant, ca), opposite_ab));
 }
 
 /*
@@ -111,14 +109,14 @@ MLRT_INLINE void set_edges(const vf term[SIDE_TERMS], const vf to[3], const vf d
     cross_product(d, to, moment);
     const vf ca = dot_product(&term[SIDE_CA], moment), opposite_ab = dot_product(&term[SIDE_AB], moment);
     test->determinant = dot_product(d, &term[SIDE_NORMAL]);
-    set_extreme_edges(ca, opposite_ab, test);
+    test->inner = inside_of_sides(ca, opposite_ab, test->determinant);
 }
 
 /* Sets the bound of edge functions. */
 MLRT_INLINE void set_edge_bound(const vf term[SIDE_TERMS], const vf to[3], struct float_test *test)
 {
     const vf size = v_mul_add(sum_of_magnitudes(to), term[SIDE_EDGE_FACTOR], term[SIDE_PLANE_FACTOR]);
-    test->above = MLRT_GUESS ? v_set1(0) : v_mul_add(size, v_set1(EDGE_BOUND / 4), v_set1(DISTANCE_FLOOR));
+    test->edge_bound = MLRT_GUESS ? v_set1(0) : v_mul_add(size, v_set1(EDGE_BOUND / 4), v_set1(DISTANCE_FLOOR));
 }
 
 /* Sets N, and the bounds of N and D. */
