@@ -6,6 +6,7 @@
 #ifndef MLRT_API_ARGUMENTS_H
 #define MLRT_API_ARGUMENTS_H
 
+#include <math.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -41,6 +42,13 @@ MLRT_INLINE int mlrt_are_plain(const mlrt_trace_options *of)
     return or_words(all, &of->counters, sizeof *of - last) == 0;
 }
 
+/* The t_max of a ray. Its bits are looked at, as the caller's floating-point environment may take a denormal for 0. */
+MLRT_INLINE float mlrt_resolve_t_max(const mlrt_ray *ray)
+{
+    uint32_t bits;
+    memcpy(&bits, &ray->t_max, sizeof bits);
+    return bits & 0x7FFFFFFF ? ray->t_max : INFINITY;
+}
 /* The options of a call, and what it runs with. */
 struct mlrt_call {
     const mlrt_trace_options *options; /* the caller's, or `own` */
