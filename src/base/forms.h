@@ -80,7 +80,7 @@ static inline const struct mlrt_field *mlrt_rules_of(const struct mlrt_form *for
 /* The most threads of a pool, with the one that calls. */
 #define MLRT_THREAD_LIMIT 1024
 
-/* Inner nodes of a path in a kd-tree, at most: stacks have room for as many. Scenes need no more (mlrta/build.c). */
+/* Inner nodes of a path in a kd-tree, at most: stacks have room for as many. Scenes need no more (mlrta/settings.c). */
 #define MLRT_DEPTH_LIMIT 60
 
 #endif

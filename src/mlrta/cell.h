@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: MIT */
+/* A cell of the kd-tree while it is built: whether and where it is cut in two, and its subtree. */
+#ifndef MLRT_MLRTA_CELL_H
+#define MLRT_MLRTA_CELL_H
+
+#include "mlrta/part.h"
+
+/* What becomes of a cell. FAILED: there is no memory, or the call is cancelled. */
+enum mlrt_choice { MLRT_CHOICE_FAILED, MLRT_CHOICE_LEAF, MLRT_CHOICE_SPLIT };
+
+/*
+ * 1 if the call is cancelled, so that a loop over the cell's references may have ended early. Its counts are then too
+ * low, and memory reserved by them too small.
+ */
+int mlrt_is_cancelled_at(const struct mlrt_kdtree_part *part, const struct mlrt_kdtree_cell *cell);
+
+/* Cuts a cell in two, if that pays. A large cell advances the progress by the work of one of the levels below it. */
+enum mlrt_choice mlrt_cut_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell, struct mlrt_split *split,
+                               struct mlrt_kdtree_cell sides[2]);
+
+/* Adds the children of a node, and sets *first_child to the lower one. Returns 0 if there is no memory. */
+int mlrt_add_children(struct mlrt_kdtree_part *part, uint32_t node, const struct mlrt_split *split,
+                      uint32_t *first_child);
+
+/*
+ * Ends the subtree of a cell, whose sides are built at these costs: if it does not pay, one leaf replaces it. Its
+ * entries are those from `offset` on. *cost receives the expected cost of a ray through the cell. Returns 0 if there is
+ * no memory.
+ */
+int mlrt_close_cell(struct mlrt_kdtree_part *part, const struct mlrt_kdtree_cell *cell,
+                    const struct mlrt_kdtree_cell *below, const struct mlrt_kdtree_cell *above, const double costs[2],
+                    uint32_t offset, double *cost);
+
+/*
+ * Builds the subtree of a cell and overwrites its references. *cost receives the expected cost of a ray through the
+ * cell. Returns 0 if there is no memory, or the call is cancelled.
+ */
+int mlrt_build_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell, double *cost);
+
+#endif

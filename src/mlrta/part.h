@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: MIT */
+/* A build of the kd-tree while it goes on: cells that are to be built, the parts that it is cut into, their memory. */
+#ifndef MLRT_MLRTA_PART_H
+#define MLRT_MLRTA_PART_H
+
+#include <pthread.h>
+
+#include "base/platform.h"
+#include "base/progress.h"
+#include "mlrta/kdtree.h"
+#include "mlrta/settings.h"
+
+struct mlrt_growing_array {
+    void *elements;
+    size_t capacity;
+};
+
+/* The parts that a build is cut into. */
+struct mlrt_kdtree_parts {
+    struct mlrt_growing_array all; /* struct mlrt_kdtree_part */
+    uint32_t count;
+    uint32_t first; /* the first that the workers take in this round */
+    size_t size;    /* cells of more references than this are cut into parts */
+};
+
+/* What the workers of a call share. Only one at a time allocates or frees. */
+struct mlrt_kdtree_build {
+    struct mlrt_memory *memory;
+    pthread_mutex_t memory_mutex;
+    const struct mlrt_triangle *triangles;
+    struct mlrt_kdtree_settings settings;
+    double scene_area;
+    float tiny; /* as in mlrt_clip_halves */
+    struct mlrt_progress *progress;
+    struct mlrt_growing_array
+        scratch; /* struct mlrt_growing_array: doubles of a worker, to look for planes and to sort */
+    struct mlrt_kdtree_parts parts;
+};
+
+/* A cell to be built. Its references are those of its part from `first` to `first + count`, the last of all. */
+struct mlrt_kdtree_cell {
+    struct mlrt_box box;
+    uint32_t node;
+    uint32_t depth;
+    uint32_t bad_refinement_count;
+    size_t first;
+    size_t count;
+    uint64_t reference_limit; /* entries that the leaves of this cell may have in all; at least `count` */
+    double work;              /* its share of the progress of the build */
+};
+
+/* A subtree that one worker builds. */
+struct mlrt_kdtree_subtree {
+    struct mlrt_growing_array references; /* struct mlrt_reference: of siblings that wait, then of the current cell */
+    struct mlrt_growing_array nodes;      /* struct mlrt_node */
+    struct mlrt_growing_array entries;    /* uint32_t */
+    uint32_t node_count;
+    uint32_t node_limit;
+    uint32_t entry_count;
+    uint64_t retracted_count;
+    double cost;
+};
+
+/* A part of the tree: a cell that is cut in two, or a subtree. All 0 = not used. */
+struct mlrt_kdtree_part {
+    struct mlrt_kdtree_build *build;
+    struct mlrt_growing_array *scratch; /* of the worker that works on it */
+    struct mlrt_kdtree_cell cell;       /* of its root */
+    uint32_t lower;          /* number of the part that has its lower side; the upper side has the next; 0 = not cut */
+    struct mlrt_split split; /* if it is cut */
+    struct mlrt_kdtree_subtree built; /* if it is not */
+};
+
+/* Changes the number of elements of `size` bytes and keeps the contents. Returns 0 if there is no memory. */
+int mlrt_set_room(struct mlrt_kdtree_build *build, struct mlrt_growing_array *array, size_t count, size_t size);
+
+/* Makes room for `needed` elements. Returns 0 if there is no memory. */
+int mlrt_make_room(struct mlrt_kdtree_build *build, struct mlrt_growing_array *array, size_t needed, size_t size);
+
+void mlrt_release_room(struct mlrt_kdtree_build *build, struct mlrt_growing_array *array, size_t size);
+
+MLRT_INLINE struct mlrt_kdtree_part *mlrt_part_at(const struct mlrt_kdtree_build *build, uint32_t number)
+{
+    return (struct mlrt_kdtree_part *)build->parts.all.elements + number;
+}
+
+MLRT_INLINE struct mlrt_reference *mlrt_reference_at(const struct mlrt_kdtree_part *part, size_t index)
+{
+    return (struct mlrt_reference *)part->built.references.elements + index;
+}
+
+MLRT_INLINE struct mlrt_node *mlrt_node_at(const struct mlrt_kdtree_part *part, uint32_t index)
+{
+    return (struct mlrt_node *)part->built.nodes.elements + index;
+}
+
+MLRT_INLINE uint32_t *mlrt_entry_at(const struct mlrt_kdtree_part *part, uint32_t index)
+{
+    return (uint32_t *)part->built.entries.elements + index;
+}
+
+MLRT_INLINE int mlrt_rule_is_on(const struct mlrt_kdtree_build *build, uint32_t rule)
+{
+    return (build->settings.rules_off & rule) == 0;
+}
+
+#endif
