@@ -12,6 +12,7 @@
 #include <cmocka.h>
 #include <math.h>
 
+#include "mlrta/sort_keys.h"
 #include "mlrta/split.h"
 
 static const struct mlrt_box UNIT_BOX = {{0, 0, 0}, {1, 1, 1}};

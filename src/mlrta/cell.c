@@ -10,6 +10,7 @@
 
 #include <math.h>
 
+#include "mlrta/sort_keys.h"
 #include "scene/clip.h"
 
 /*

@@ -12,84 +12,8 @@
 
 #include "base/platform.h"
 #include "base/progress.h"
+#include "mlrta/sort_keys.h"
 #include "scene/clip.h"
-
-uint32_t mlrt_float_key(float x)
-{
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
-}
-
-static float key_float(uint32_t key)
-{
-    uint32_t bits = key & 0x80000000u ? key & 0x7FFFFFFFu : ~key;
-    float x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
-/* ---- sorting ------------------------------------------------------------------------------------------------- */
-
-/* Up to so many keys, insertion sort is faster: four passes over 256 counters cost as much as inserting 48 keys. */
-#define INSERTION_LIMIT 48
-
-static void insertion_sort(uint32_t *keys, size_t count)
-{
-    for (size_t i = 1; i < count; i++) {
-        uint32_t key = keys[i];
-        size_t j = i;
-        for (; j > 0 && keys[j - 1] > key; j--) keys[j] = keys[j - 1];
-        keys[j] = key;
-    }
-}
-
-static void count_digits(const uint32_t *keys, size_t count, uint32_t counts[4][256])
-{
-    memset(counts, 0, 4 * sizeof counts[0]);
-    for (size_t i = 0; i < count; i++)
-        for (int digit = 0; digit < 4; digit++) counts[digit][keys[i] >> (8 * digit) & 255]++;
-}
-
-static void sort_by_digit(const uint32_t *keys, size_t count, int shift, const uint32_t counts[256], uint32_t *sorted)
-{
-    uint32_t place[256];
-    uint32_t sum = 0;
-    for (int value = 0; value < 256; value++) {
-        place[value] = sum;
-        sum += counts[value];
-    }
-    for (size_t i = 0; i < count; i++) sorted[place[keys[i] >> shift & 255]++] = keys[i];
-}
-
-/* Radix sort by bytes, the lowest first; bytes that are equal in all keys are skipped. */
-void mlrt_sort_keys(uint32_t *keys, uint32_t *spare, size_t count)
-{
-    if (count <= INSERTION_LIMIT) {
-        insertion_sort(keys, count);
-        return;
-    }
-    uint32_t counts[4][256];
-    count_digits(keys, count, counts);
-    uint32_t *from = keys, *to = spare;
-    for (int digit = 0; digit < 4; digit++) {
-        if (counts[digit][keys[0] >> (8 * digit) & 255] == count) continue;
-        sort_by_digit(from, count, 8 * digit, counts[digit], to);
-        uint32_t *swap = from;
-        from = to;
-        to = swap;
-    }
-    if (from != keys) memcpy(keys, from, count * sizeof *keys);
-}
-
-size_t mlrt_sort_unique_keys(uint32_t *keys, uint32_t *spare, size_t count)
-{
-    size_t unique_count = 0;
-    mlrt_sort_keys(keys, spare, count);
-    for (size_t i = 0; i < count; i++)
-        if (unique_count == 0 || keys[unique_count - 1] != keys[i]) keys[unique_count++] = keys[i];
-    return unique_count;
-}
 
 /* ---- boxes --------------------------------------------------------------------------------------------------- */
 
@@ -266,7 +190,7 @@ int mlrt_find_covered_plane(const struct mlrt_triangle *triangles, const struct 
         const size_t plane_count = gather_planes(content, k, keys);
         measure_planes(triangles, content, k, enough, keys, plane_count, areas);
         for (size_t plane = 0; plane < plane_count; plane++) {
-            const float position = key_float(keys[plane]);
+            const float position = mlrt_key_float(keys[plane]);
             const double below = (double)position - cell->lo[k], above = (double)cell->hi[k] - position;
             const double smaller = (above < below ? above : below) / extent(cell, k);
             if (areas[plane] < enough || smaller <= best) continue;
@@ -369,7 +293,7 @@ static void sweep_events(const struct sweep *sweep, const struct events *events,
         key = first_key(events->planars, events->planar_count, planar, key);
         size_t planar_here = skip_equal(events->planars, events->planar_count, &planar, key);
         above_count -= skip_equal(events->ends, events->end_count, &end, key) + planar_here;
-        float position = key_float(key);
+        float position = mlrt_key_float(key);
         if (position > sweep->lo && (planar_here > 0 || position < sweep->hi))
             offer_split(sweep, position, below_count, above_count + planar_here, 1, best);
         if (planar_here > 0 && position < sweep->hi)

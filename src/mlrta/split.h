@@ -46,15 +46,6 @@ struct mlrt_content {
     double planar_area[3];          /* the sum over the boxes that are planar in this axis */
 };
 
-/* The key of a float: as unsigned integers, keys have the order of their floats. */
-uint32_t mlrt_float_key(float x);
-
-/* Sorts `count` keys ascending; `spare` has room for as many. */
-void mlrt_sort_keys(uint32_t *keys, uint32_t *spare, size_t count);
-
-/* Likewise, and keeps one of equal keys. Returns the number of those kept. */
-size_t mlrt_sort_unique_keys(uint32_t *keys, uint32_t *spare, size_t count);
-
 /* Half the surface area of a box, finite for all floats. */
 double mlrt_half_area(const struct mlrt_box *box);
 
