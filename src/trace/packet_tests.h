@@ -139,7 +139,7 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
         farther = m_or(farther, v_lt(plane->greatest_n, v_mul(v_mul(from, v_set1(1 - SLOPE_SLACK)), plane->least_d)));
         plane->begun = v_gt(plane->least_n, v_mul(v_mul(from, v_set1(1 + SLOPE_SLACK)), plane->greatest_d));
     } else {
-        farther = m_or(farther, v_lt(plane->greatest_n, v_set1(0)));
+        if (has_places) farther = m_or(farther, v_lt(plane->greatest_n, v_set1(0))); /* from the waist, N >= 0 */
         plane->begun = v_gt(plane->least_n, v_set1(0));
     }
     vm hit = m_and(m_and(plane->certain, inside), m_and(nearer, plane->begun));
