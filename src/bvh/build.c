@@ -64,7 +64,7 @@ static const struct preset PRESETS[] = {
  * 6.11 and 6.12; with smaller leaves, by a cost of each quad or 0.08 for each triangle, 6.25 to 6.42.
  * docs/performance.md, "How large leaves are", has the speed with other costs.
  */
-static const struct mlrt_bvh_costs COSTS = {1.0f, 1.0f, MLRT_TRIANGLE_COST};
+static const struct mlrt_bvh_costs COSTS = {1, MLRT_TRIANGLE_COST};
 
 /* References per leaf, on average, that the budget allows for: so building takes 104 / 4 bytes of nodes for each. */
 #define LEAF_SHARE (MLRT_LEAF_TRIANGLES / 4)
@@ -434,7 +434,7 @@ static int split_pays(const struct build *build, const struct mlrt_bvh_set *set,
     const struct mlrt_bvh_costs *costs = &build->costs;
     if (set->count > MLRT_LEAF_TRIANGLES) return 1;
     double area = area_of(&set->box);
-    return split->cost + area * (costs->node / MLRT_BVH_WIDTH) < area * mlrt_bvh_leaf_cost(costs, set->count);
+    return split->cost + area * (costs->node / MLRT_BVH_WIDTH) < area * set_cost(costs, set->count);
 }
 
 /*

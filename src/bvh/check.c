@@ -64,7 +64,7 @@ static void measure_node(const struct mlrt_bvh *bvh, const struct mlrt_bvh_node 
         const double area = half_area(&node->lo[0][i], &node->hi[0][i], MLRT_BVH_WIDTH);
         if (is_leaf(node->child[i])) {
             const uint32_t count = leaf_count(bvh, node->child[i]);
-            part->cost += area * mlrt_bvh_leaf_cost(costs, count);
+            part->cost += area * set_cost(costs, count);
             part->leaf_count++;
             part->reference_count += count;
         } else {

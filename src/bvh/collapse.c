@@ -14,7 +14,7 @@ void mlrt_choose_leaf(const struct mlrt_bvh_costs *costs, float area, struct mlr
                       struct mlrt_forest_costs *result)
 {
     memset(node->choice, 0, sizeof node->choice);
-    result->cost[1] = area * mlrt_bvh_leaf_cost(costs, node->count);
+    result->cost[1] = area * set_cost(costs, node->count);
     result->slot_count = 1;
 }
 
@@ -46,7 +46,7 @@ void mlrt_choose_cut(const struct mlrt_bvh_costs *costs, float area, const struc
     memset(node->choice + 1, 0, sizeof node->choice - 1);
     node->choice[1] = 1;
     if (node->count <= MLRT_LEAF_TRIANGLES) {
-        float leaf = area * mlrt_bvh_leaf_cost(costs, node->count);
+        float leaf = area * set_cost(costs, node->count);
         if (leaf <= best) {
             best = leaf;
             node->choice[1] = 0;

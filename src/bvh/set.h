@@ -83,20 +83,13 @@ static inline void mlrt_mark_copy(struct mlrt_quad_box *reference)
 }
 
 /*
- * The costs for a ray that meets a node or a leaf, relative to a node's. All sixteen children of a node are tested in
- * one step, and all triangles of a leaf nearly so.
+ * The costs for a ray that meets a node or a leaf, where a leaf costs 1, whatever its triangles. All sixteen children of
+ * a node are tested in one step, and all triangles of a leaf nearly so.
  */
 struct mlrt_bvh_costs {
     float node;
-    float leaf;     /* of each leaf, whatever its triangles */
-    float triangle; /* of each triangle of a leaf */
+    float triangle; /* what each triangle adds to its leaf */
 };
-
-/* The cost of a leaf of `count` triangles, not yet times its area. */
-static inline float mlrt_bvh_leaf_cost(const struct mlrt_bvh_costs *costs, uint32_t count)
-{
-    return costs->leaf + costs->triangle * (float)count;
-}
 
 /* A set of references: `count` of them from `first` on. */
 struct mlrt_bvh_set {
@@ -122,12 +115,12 @@ MLRT_INLINE void add_reference(struct mlrt_bvh_set *set, f4 lo, f4 hi)
 
 /*
  * The expected cost of a set of any size, not yet times its area: that of leaves that are full except the last. Because
- * whole leaves are counted, splits that fill them are cheaper.
+ * whole leaves are counted, splits that fill them are cheaper. Signed integers become floats in one step of a vector.
  */
-MLRT_INLINE double set_cost(const struct mlrt_bvh_costs *costs, uint32_t count)
+MLRT_INLINE float set_cost(const struct mlrt_bvh_costs *costs, uint32_t count)
 {
-    return costs->leaf * (float)((count + MLRT_LEAF_TRIANGLES - 1) / MLRT_LEAF_TRIANGLES) +
-           costs->triangle * (float)count;
+    const uint32_t leaf_count = (count + MLRT_LEAF_TRIANGLES - 1) / MLRT_LEAF_TRIANGLES;
+    return (float)(int32_t)leaf_count + costs->triangle * (float)(int32_t)count;
 }
 
 #endif

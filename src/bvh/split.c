@@ -48,8 +48,8 @@ static struct side empty_side(void)
 }
 
 /*
- * Adds a row of bins to a side. Returns its cost along each axis, as set_cost says. The cost of a side without
- * references is NaN: its area is infinite, its cost per area 0.
+ * Adds a row of bins to a side. Returns its cost along each axis. The cost of a side without references is NaN: its
+ * area is infinite, its cost per area 0.
  */
 MLRT_INLINE f4 add_row(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t row, f4 unit,
                        struct side *side)
@@ -64,9 +64,8 @@ MLRT_INLINE f4 add_row(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
         products[axis] = f4_mul(extent, f4_next(extent));
     }
     for (int axis = 0; axis < 4; axis++) {
-        const int32_t count = side->count[axis] += bins->first_count[row][axis];
-        const uint32_t leaf_count = ((uint32_t)count + MLRT_LEAF_TRIANGLES - 1) / MLRT_LEAF_TRIANGLES;
-        per_area[axis] = costs->leaf * (float)(int32_t)leaf_count + costs->triangle * (float)count;
+        side->count[axis] += bins->first_count[row][axis];
+        per_area[axis] = set_cost(costs, (uint32_t)side->count[axis]);
     }
     return f4_mul(f4_sums(products[0], products[1], products[2]), f4_load(per_area));
 }
