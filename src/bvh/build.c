@@ -194,28 +194,12 @@ static float relative_area(const struct build *build, const struct mlrt_quad_box
 
 /* ---- references ---------------------------------------------------------------------------------------------- */
 
-/* Bounds of references beyond MLRT_BVH_FAR are moved to this, so that areas are finite. */
-#define REFERENCE_LIMIT (2 * MLRT_BVH_FAR)
-
-static float limit_reference(float bound)
-{
-    return bound < -REFERENCE_LIMIT ? -REFERENCE_LIMIT : bound > REFERENCE_LIMIT ? REFERENCE_LIMIT : bound;
-}
-
-/* 1 if the box lies within -limit .. limit along each axis. */
-static int is_within(const struct mlrt_quad_box *box, float limit)
-{
-    int is_beyond = 0;
-    for (int k = 0; k < 3; k++) is_beyond |= box->lo.x[k] < -limit || box->hi.x[k] > limit;
-    return !is_beyond;
-}
-
 /* Brings a reference into units. */
 static void scale_reference(float unit, struct mlrt_quad_box *reference)
 {
     for (int k = 0; k < 3; k++) {
-        reference->lo.x[k] = limit_reference(mlrt_low_in_units(reference->lo.x[k], unit));
-        reference->hi.x[k] = limit_reference(mlrt_high_in_units(reference->hi.x[k], unit));
+        reference->lo.x[k] = mlrt_finite_bound(mlrt_low_in_units(reference->lo.x[k], unit));
+        reference->hi.x[k] = mlrt_finite_bound(mlrt_high_in_units(reference->hi.x[k], unit));
     }
 }
 
@@ -255,9 +239,8 @@ static double make_chunk_references(struct build *build, uint32_t number, uint32
     chunk->set = set;
     memcpy(chunk->bounds.lo, set.box.lo.x, sizeof chunk->bounds.lo);
     memcpy(chunk->bounds.hi, set.box.hi.x, sizeof chunk->bounds.hi);
-    if (unit == 1 && is_within(&chunk->set.box, MLRT_BVH_FAR)) return CHUNK_SIZE * FIRST_WORK;
-    for (uint32_t i = 0; i < set.count; i++)
-        if (unit != 1 || !is_within(&references[i], MLRT_BVH_FAR)) scale_reference(unit, &references[i]);
+    if (unit == 1 && mlrt_is_within(chunk->bounds.lo, chunk->bounds.hi, MLRT_BVH_FAR)) return CHUNK_SIZE * FIRST_WORK;
+    for (uint32_t i = 0; i < set.count; i++) scale_reference(unit, &references[i]);
     chunk->set = mlrt_measure_set(build->references.boxes, first, set.count, build->progress);
     return CHUNK_SIZE * FIRST_WORK;
 }
@@ -416,7 +399,7 @@ static void choose(struct build *build, struct portion *portion, struct mlrt_bvh
     find_split(build, portion, is_sorted ? MLRT_SPLIT_BY_RANK : MLRT_SPLIT_BY_BIN, split);
     if (portion->spare == 0 || portion->set.count <= build->preset->spatial_size) return;
     /* Larger coordinates are too large for the float arithmetic of spatial_split.c. */
-    if (!is_within(&portion->set.box, MLRT_SAFE_MAX)) return;
+    if (!mlrt_is_within(portion->set.box.lo.x, portion->set.box.hi.x, MLRT_SAFE_MAX)) return;
     if (split->cost < HUGE_VAL && !is_sorted && !overlaps(build, split)) return;
     if (portion->failed_count > build->preset->failure_limit) return;
     find_split(build, portion, MLRT_SPLIT_BY_PLANE, &plane);

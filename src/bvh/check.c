@@ -28,16 +28,13 @@ static uint32_t leaf_count(const struct mlrt_bvh *bvh, uint32_t child)
     return count;
 }
 
-/*
- * Half the surface area of a box in units, whose bounds along the axes are `row` floats apart. A bound beyond
- * MLRT_BVH_FAR counts as 2 * MLRT_BVH_FAR.
- */
+/* Half the surface area of a box in units, whose bounds along the axes are `row` floats apart. */
 static double half_area(const float *lo, const float *hi, int row)
 {
     struct mlrt_quad_box box;
     for (int k = 0; k < 3; k++) {
-        box.lo.x[k] = lo[k * row] < -MLRT_BVH_FAR ? -2 * MLRT_BVH_FAR : lo[k * row];
-        box.hi.x[k] = hi[k * row] > MLRT_BVH_FAR ? 2 * MLRT_BVH_FAR : hi[k * row];
+        box.lo.x[k] = mlrt_finite_bound(lo[k * row]);
+        box.hi.x[k] = mlrt_finite_bound(hi[k * row]);
     }
     return area_of(&box);
 }

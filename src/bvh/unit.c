@@ -79,13 +79,6 @@ int mlrt_is_odd(const struct mlrt_tree *tree, uint32_t number)
     return !mlrt_triangle_in_units(&triangle, tree->bvh.unit, &in_units);
 }
 
-static int is_within(const struct mlrt_box *box, float limit)
-{
-    for (int k = 0; k < 3; ++k)
-        if (!(box->lo[k] >= -limit && box->hi[k] <= limit)) return 0;
-    return 1;
-}
-
 void mlrt_set_bvh_unit(struct mlrt_tree *tree)
 {
     tree->bvh.typical_exponent = typical_exponent(tree);
@@ -101,9 +94,9 @@ void mlrt_set_bvh_extent(struct mlrt_tree *tree)
         bvh->whole.lo[k] = mlrt_low_in_units(tree->bounds.lo[k], bvh->unit);
         bvh->whole.hi[k] = mlrt_high_in_units(tree->bounds.hi[k], bvh->unit);
     }
-    bvh->is_usual = bvh->unit == 1 && is_within(&bvh->whole, MLRT_SAFE_MAX);
+    bvh->is_usual = bvh->unit == 1 && mlrt_is_within(bvh->whole.lo, bvh->whole.hi, MLRT_SAFE_MAX);
     bvh->core = bvh->whole;
-    if (is_within(&bvh->whole, (float)(limit * bvh->unit))) return;
+    if (mlrt_is_within(bvh->whole.lo, bvh->whole.hi, (float)(limit * bvh->unit))) return;
     for (uint32_t i = 0; i < tree->triangle_count; i += sample_step(tree)) {
         const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, i);
         const float size = size_of_triangle(&triangle);

@@ -36,6 +36,13 @@ static inline float mlrt_low_bound(double low)
     return low < -MLRT_BVH_FAR ? -INFINITY : mlrt_float_down(low) + 0.0f;
 }
 
+/* A bound in units that may be beyond MLRT_BVH_FAR, as one that areas are computed from: these are finite then. */
+static inline float mlrt_finite_bound(float bound)
+{
+    const float limit = 2 * MLRT_BVH_FAR;
+    return bound < -limit ? -limit : bound > limit ? limit : bound;
+}
+
 static inline float mlrt_low_in_units(float x, float unit)
 {
     return mlrt_low_bound((double)x * unit);
@@ -44,6 +51,14 @@ static inline float mlrt_low_in_units(float x, float unit)
 static inline float mlrt_high_in_units(float x, float unit)
 {
     return 0.0f - mlrt_low_in_units(-x, unit);
+}
+
+/* 1 if a box lies within -limit .. limit along each axis. */
+static inline int mlrt_is_within(const float lo[3], const float hi[3], float limit)
+{
+    for (int k = 0; k < 3; ++k)
+        if (!(lo[k] >= -limit && hi[k] <= limit)) return 0;
+    return 1;
 }
 
 /* Sets *in_units to the triangle in units. Returns 0 if it is odd. */
