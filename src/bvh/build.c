@@ -323,39 +323,33 @@ static void share_out(const struct build *build, const struct portion *portion, 
 
 /* ---- looking for a split --------------------------------------------------------------------------------------- */
 
-/* Do `count` references have a chunk of this number? After the first chunk, not if the call is cancelled. */
-static int is_chunk_due(const struct build *build, uint32_t count, uint32_t chunk)
+/* Adds `count` of a set's references, from `first` on, to its bins. */
+static void fill_part(const struct build *build, const struct mlrt_bvh_set *set, uint32_t first, uint32_t count,
+                      struct mlrt_bvh_bins *bins)
 {
-    return chunk < mlrt_item_count(count, CHUNK_SIZE) && (chunk == 0 || !mlrt_is_cancelled(build->progress));
-}
-
-/* Adds a chunk of a portion's references to bins. */
-static void fill_chunk(const struct build *build, const struct portion *portion, uint32_t chunk,
-                       struct mlrt_bvh_bins *bins)
-{
-    const struct mlrt_bvh_set *set = &portion->set;
-    const uint32_t begin = chunk * CHUNK_SIZE, count = mlrt_item_size(set->count, CHUNK_SIZE, chunk);
     if (bins->kind == MLRT_SPLIT_BY_PLANE)
-        mlrt_fill_slabs(build->tree->triangles, build->tree->bvh.unit, build->references.boxes, set->first + begin,
-                        count, &set->box, bins);
+        mlrt_fill_slabs(build->tree->triangles, build->tree->bvh.unit, build->references.boxes, first, count, &set->box,
+                        build->progress, bins);
     else
-        mlrt_fill_bins(build->references.boxes, set->first + begin, count, &set->centres, bins);
+        mlrt_fill_bins(build->references.boxes, first, count, &set->centres, build->progress, bins);
 }
 
 static double fill_share(struct build *build, uint32_t chunk, uint32_t worker)
 {
-    fill_chunk(build, build->shared.portion, chunk, &build->work.shares[worker]);
+    const struct mlrt_bvh_set *set = &build->shared.portion->set;
+    fill_part(build, set, set->first + chunk * CHUNK_SIZE, mlrt_item_size(set->count, CHUNK_SIZE, chunk),
+              &build->work.shares[worker]);
     return 0;
 }
 
-/* Fills bins with the references of a portion. */
+/* Fills bins with the references of a portion. If the call is cancelled, not with all. */
 static void fill(struct build *build, const struct portion *portion, enum mlrt_split_kind kind,
                  struct mlrt_bvh_bins *all)
 {
     const uint32_t count = portion->set.count;
     mlrt_clear_bins(kind, count, all);
     if (build->shared.portion != portion) {
-        for (uint32_t i = 0; is_chunk_due(build, count, i); i++) fill_chunk(build, portion, i, all);
+        fill_part(build, &portion->set, portion->set.first, count, all);
         return;
     }
     const uint32_t worker_count = mlrt_worker_count(build->pool);
@@ -430,11 +424,9 @@ static void move_set(const struct build *build, struct mlrt_bvh_set *set, uint32
     const uint32_t count = distance < set->count ? distance : set->count;
     const uint32_t from = first > set->first ? set->first : set->first + set->count - count;
     const uint32_t to = first > set->first ? first + set->count - count : first;
-    for (uint32_t chunk = 0; is_chunk_due(build, count, chunk); chunk++) {
-        const uint32_t begin = chunk * CHUNK_SIZE, size = mlrt_item_size(count, CHUNK_SIZE, chunk);
-        memcpy(build->references.boxes + to + begin, build->references.boxes + from + begin,
-               size * sizeof *build->references.boxes);
-    }
+    for (uint32_t i = 0; i < count && !mlrt_is_cancelled_in_round(build->progress, i + CHUNK_SIZE); i += CHUNK_SIZE)
+        memcpy(build->references.boxes + to + i, build->references.boxes + from + i,
+               (count - i < CHUNK_SIZE ? count - i : CHUNK_SIZE) * sizeof *build->references.boxes);
     set->first = first;
 }
 
@@ -485,7 +477,7 @@ static int cut(struct build *build, struct portion *portion, struct mlrt_binary_
     if (mlrt_advance(build->progress, build->limits.cut_work * portion->set.count)) return 0;
     choose(build, portion, &split);
     /* If cancelled, bins may be unfinished, and a plane chosen from them may cut more references than fit. */
-    if (portion->set.count > CHUNK_SIZE && mlrt_is_cancelled(build->progress)) return 0;
+    if (split.kind == MLRT_SPLIT_BY_PLANE && mlrt_is_cancelled(build->progress)) return 0;
     if (is_small && (split.cost == HUGE_VAL || !split_pays(build, &portion->set, &split))) return 0;
     if (!apply(build, portion, &split, sides)) return 0;
     node->upper = sides[1].node;

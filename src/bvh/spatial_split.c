@@ -116,15 +116,20 @@ MLRT_INLINE void fill_axis(const struct vertices *vertices, const struct mlrt_qu
     }
 }
 
+/* References that are put into slabs, or cut, between two calls of mlrt_is_cancelled: one to three milliseconds. */
+#define CUT_ROUNDS 4096
+
 /* Triangles are prefetched so many references ahead. */
 #define AHEAD 12
 
 void mlrt_fill_slabs(const struct mlrt_triangle *triangles, float unit, const struct mlrt_quad_box *references,
-                     uint32_t first, uint32_t count, const struct mlrt_quad_box *box, struct mlrt_bvh_bins *bins)
+                     uint32_t first, uint32_t count, const struct mlrt_quad_box *box, struct mlrt_progress *progress,
+                     struct mlrt_bvh_bins *bins)
 {
     const struct mlrt_binning slabs = mlrt_cut_bins(box, bins->bin_count);
     f4 start = f4_load(slabs.start), scale = f4_load(slabs.scale);
     for (uint32_t i = first; i < first + count; i++) {
+        if (i % CUT_ROUNDS == 0 && mlrt_is_cancelled(progress)) break;
         const struct mlrt_quad_box *reference = &references[i];
         const struct mlrt_triangle *triangle = &triangles[mlrt_reference_triangle(reference)];
         if (i + AHEAD < first + count) mlrt_prefetch(&triangles[mlrt_reference_triangle(&references[i + AHEAD])]);
@@ -259,9 +264,6 @@ static int cut_reference(const struct mlrt_triangle *triangles, float unit, cons
     return touched != 0 ? touched : 1;
 }
 
-/* References that are cut between two calls of mlrt_is_cancelled: a millisecond or two. */
-#define CUT_ROUNDS 4096
-
 /*
  * The first loop orders the references: those of the lower side, those on both sides, those of the upper side. The
  * second loop deals out those on both sides: parts of the lower side go right behind the lower ones, parts of the upper
@@ -290,9 +292,8 @@ void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit,
         }
     }
     float position = slab_start(&slabs, axis, split->bin + 1);
-    const uint32_t first = lower;
     for (next = lower; next < upper; next++) {
-        if ((next - first) % CUT_ROUNDS == 0 && mlrt_is_cancelled(progress)) break;
+        if (next % CUT_ROUNDS == 0 && mlrt_is_cancelled(progress)) break;
         struct mlrt_quad_box reference = references[next], parts[2];
         int side = choose_side(&dealing, &reference);
         int touched = side == 2 ? cut_reference(triangles, unit, &reference, axis, position, parts) : 0;

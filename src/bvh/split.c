@@ -250,14 +250,14 @@ static void fill_block(const struct mlrt_quad_box *references, uint32_t count, f
 }
 
 void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
-                    const struct mlrt_quad_box *centres, struct mlrt_bvh_bins *bins)
+                    const struct mlrt_quad_box *centres, struct mlrt_progress *progress, struct mlrt_bvh_bins *bins)
 {
     const struct mlrt_binning binning = mlrt_cut_bins(centres, bins->bin_count);
     const f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
     const int is_large = count >= MANY_REFERENCES;
     struct mlrt_bvh_bins others;
     if (is_large) mlrt_clear_bins(MLRT_SPLIT_BY_BIN, count, &others);
-    for (uint32_t i = 0; i < count; i += BLOCK_SIZE) {
+    for (uint32_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + BLOCK_SIZE); i += BLOCK_SIZE) {
         const uint32_t left = count - i;
         fill_block(references + first + i, left < BLOCK_SIZE ? left : BLOCK_SIZE, start, scale, bins,
                    is_large ? &others : bins);

@@ -65,9 +65,12 @@ struct mlrt_binning mlrt_cut_bins(const struct mlrt_quad_box *box, uint32_t bin_
 /* Empties the bins of a set of `count` references. */
 void mlrt_clear_bins(enum mlrt_split_kind kind, uint32_t count, struct mlrt_bvh_bins *bins);
 
-/* Adds `count` references, from `first` on, to bins of a set whose centres lie in the box `centres`. */
+/*
+ * Adds `count` references, from `first` on, to bins of a set whose centres lie in the box `centres`. If the call is
+ * cancelled, not all of them.
+ */
 void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
-                    const struct mlrt_quad_box *centres, struct mlrt_bvh_bins *bins);
+                    const struct mlrt_quad_box *centres, struct mlrt_progress *progress, struct mlrt_bvh_bins *bins);
 
 /* Adds bins to *sum: then it is as if the references of both had been added to it. */
 void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum);
@@ -88,10 +91,11 @@ void mlrt_apply_bvh_split(struct mlrt_quad_box *references, const struct mlrt_bv
 
 /*
  * Adds `count` references, from `first` on, to bins of a set whose box is `box`: to each bin the part of the triangle
- * that lies in it, of which the bounds are estimated.
+ * that lies in it, of which the bounds are estimated. If the call is cancelled, not all of them.
  */
 void mlrt_fill_slabs(const struct mlrt_triangle *triangles, float unit, const struct mlrt_quad_box *references,
-                     uint32_t first, uint32_t count, const struct mlrt_quad_box *box, struct mlrt_bvh_bins *bins);
+                     uint32_t first, uint32_t count, const struct mlrt_quad_box *box, struct mlrt_progress *progress,
+                     struct mlrt_bvh_bins *bins);
 
 /* Sets *split to the cheapest plane between such bins that has at most `spare` references on both sides. */
 void mlrt_choose_plane(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t count,
