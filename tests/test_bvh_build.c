@@ -45,15 +45,16 @@ static struct mlrt_triangle *triangles_of(const struct soup *soup)
     return (struct mlrt_triangle *)(void *)soup->corners;
 }
 
-/* Builds, checks, and leaves the hierarchy to look at. The triangles stay the caller's. */
+/* Builds (options NULL = default), checks, and leaves the hierarchy to look at. The triangles stay the caller's. */
 static struct mlrt_tree build_with(struct mlrt_triangle *triangles, uint32_t count, const mlrt_tree_options *options)
 {
     struct mlrt_tree tree;
+    const mlrt_tree_options defaults = options_of(MLRT_TREE_DEFAULT);
     memset(&tree, 0, sizeof tree);
     tree.triangles = triangles;
     mlrt_read_in_order(&tree);
     tree.triangle_count = count;
-    assert_int_equal(mlrt_build_bvh(&tree, options, NULL), MLRT_OK);
+    assert_int_equal(mlrt_build_bvh(&tree, options ? options : &defaults, NULL), MLRT_OK);
     const char *wrong = check_bvh(&tree);
     if (wrong != NULL) fail_msg("%s", wrong);
     return tree;
@@ -350,9 +351,10 @@ static void test_too_many_triangles(void **state)
 {
     (void)state;
     struct mlrt_tree tree;
+    const mlrt_tree_options defaults = options_of(MLRT_TREE_DEFAULT);
     memset(&tree, 0, sizeof tree);
     tree.triangle_count = 1u << 30;
-    assert_int_equal(mlrt_build_bvh(&tree, NULL, NULL), MLRT_ERROR_TOO_LARGE);
+    assert_int_equal(mlrt_build_bvh(&tree, &defaults, NULL), MLRT_ERROR_TOO_LARGE);
     assert_int_equal(tree.memory.held_size, 0);
 }
 

@@ -133,7 +133,7 @@ struct work {
     struct portion **tasks;      /* those that one worker each builds, in depth-first order */
     struct mlrt_forest *forests; /* of the tasks, and one of no node at the end */
     uint32_t task_count;
-    struct mlrt_bvh_bins *shares; /* of each worker: bins of its part of a set; NULL = there is only one */
+    struct mlrt_bvh_bins *shares; /* of each worker, if there are several: bins of its part of a set */
     struct chunk *chunks;
     struct mlrt_bvh_part *parts; /* of the result, measured */
 };
@@ -186,9 +186,9 @@ static int32_t run_step(struct build *build, uint32_t count, double (*run)(struc
 }
 
 /* The area of a box relative to the scene's, at most 1. */
-static float relative_area(const struct build *build, const struct mlrt_quad_box *box)
+static float relative_area(const struct build *build, const float lo[3], const float hi[3])
 {
-    const double area = area_of(box);
+    const double area = area_between(lo, hi);
     return area < build->scene_area ? (float)(area / build->scene_area) : 1;
 }
 
@@ -234,7 +234,7 @@ static double make_chunk_references(struct build *build, uint32_t number, uint32
         if (!mlrt_keep_triangle(triangle, &chunk->non_finite_count, &chunk->zero_area_count)) continue;
         const struct mlrt_quad_box reference = reference_of(triangle, i);
         references[set.count] = reference;
-        add_reference(&set, reference.lo.v, reference.hi.v);
+        add_reference(&reference, &set);
     }
     chunk->set = set;
     memcpy(chunk->bounds.lo, set.box.lo.x, sizeof chunk->bounds.lo);
@@ -492,7 +492,7 @@ static uint32_t build_subtree(struct build *build, struct portion *portion, stru
     struct mlrt_binary_node *node = start_node(build, portion);
     struct portion sides[2];
     struct mlrt_forest_costs side_costs[2];
-    float area = relative_area(build, &portion->set.box);
+    float area = relative_area(build, node->lo, node->hi);
     if (!cut(build, portion, node, sides)) {
         mlrt_choose_leaf(&build->costs, area, node, costs);
         for (uint32_t i = node->first; i < node->first + node->count; i++)
@@ -529,10 +529,8 @@ static void cut_level(struct build *build, uint32_t count)
     const uint64_t worker_count = mlrt_worker_count(build->pool);
     uint64_t sum = 0;
     for (uint32_t i = 0; i < count; i++) sum += build->work.level[i]->set.count;
-    const uint64_t much = 3 * sum / (2 * worker_count);
-    build->shared.least_size = build->work.shares == NULL ? UINT64_MAX
-                               : much > 2 * CHUNK_SIZE    ? much
-                                                          : 2 * CHUNK_SIZE + 1;
+    const uint64_t much = 3 * sum / (2 * worker_count), least = 2 * CHUNK_SIZE + 1;
+    build->shared.least_size = much > least ? much : least; /* more than `sum` for one worker */
     for (uint32_t i = 0; i < count; i++) {
         build->shared.portion = build->work.level[i];
         if (build->work.level[i]->set.count >= build->shared.least_size) cut_item(build, i, 0);
@@ -590,12 +588,9 @@ static void choose_upper(const struct build *build, uint32_t number, const struc
     }
     struct mlrt_binary_node *node = &build->binary.nodes[number];
     struct mlrt_forest_costs side_costs[2];
-    struct mlrt_quad_box box;
-    memcpy(box.lo.x, node->lo, sizeof node->lo);
-    memcpy(box.hi.x, node->hi, sizeof node->hi);
     choose_upper(build, number + 1, next, &side_costs[0]);
     choose_upper(build, node->upper, next, &side_costs[1]);
-    mlrt_choose_cut(&build->costs, relative_area(build, &box), side_costs, node, costs);
+    mlrt_choose_cut(&build->costs, relative_area(build, node->lo, node->hi), side_costs, node, costs);
 }
 
 /* ---- nodes of sixteen ---------------------------------------------------------------------------------------- */
@@ -674,7 +669,7 @@ static uint64_t lay_out_work(struct build *build, unsigned char *memory)
     build->work.level = take(memory, build->limits.level_capacity, sizeof *build->work.level, &size);
     build->work.portions = take(memory, 2 * (size_t)build->limits.task_capacity, sizeof *build->work.portions, &size);
     build->work.parts = take(memory, MLRT_BVH_PART_LIMIT, sizeof *build->work.parts, &size);
-    build->work.shares = worker_count > 1 ? take(memory, worker_count, sizeof *build->work.shares, &size) : NULL;
+    build->work.shares = take(memory, worker_count > 1 ? worker_count : 0, sizeof *build->work.shares, &size);
     return size;
 }
 
@@ -734,10 +729,9 @@ static int32_t allocate_result(struct build *build, const struct mlrt_bvh_size *
                               (36 * (size_t)bvh->quad_count + 16) * sizeof *bvh->corners);
     build->references.boxes = NULL;
     if (has_places) bvh->places = mlrt_allocate(&tree->memory, tree->triangle_count, sizeof *bvh->places);
-    if (bvh->node_count > 0) bvh->nodes = mlrt_allocate(&tree->memory, bvh->node_count, sizeof *bvh->nodes);
+    bvh->nodes = mlrt_allocate(&tree->memory, bvh->node_count, sizeof *bvh->nodes);
     bvh->numbers = mlrt_allocate(&tree->memory, 4 * (size_t)bvh->quad_count + 16, sizeof *bvh->numbers);
-    if (bvh->corners == NULL || bvh->numbers == NULL || (has_places && bvh->places == NULL) ||
-        (bvh->node_count > 0 && bvh->nodes == NULL))
+    if (bvh->corners == NULL || bvh->numbers == NULL || bvh->nodes == NULL || (has_places && bvh->places == NULL))
         return MLRT_ERROR_OUT_OF_MEMORY;
     if (bvh->quad_count > bvh->leaf_quad_count) run_step(build, build->limits.chunk_count, clear_places);
     memset(bvh->corners + 36 * (size_t)bvh->quad_count, 0, 16 * sizeof *bvh->corners);
@@ -746,18 +740,6 @@ static int32_t allocate_result(struct build *build, const struct mlrt_bvh_size *
 }
 
 /* ---- the whole hierarchy ------------------------------------------------------------------------------------- */
-
-/* Sets scene_area to the area of the part of a box that lies in the core of the scene. */
-static void measure_scene(struct build *build, const struct mlrt_quad_box *box)
-{
-    const struct mlrt_box *core = &build->tree->bvh.core;
-    struct mlrt_quad_box part = *box;
-    for (int k = 0; k < 3; k++) {
-        if (core->lo[k] > part.lo.x[k]) part.lo.x[k] = core->lo[k];
-        if (core->hi[k] < part.hi.x[k]) part.hi.x[k] = core->hi[k];
-    }
-    build->scene_area = area_of(&part);
-}
 
 /* Builds the binary hierarchy, and sets *size to that of the result. Returns a status. */
 static int32_t build_binary(struct build *build, struct mlrt_bvh_size *size)
@@ -769,7 +751,7 @@ static int32_t build_binary(struct build *build, struct mlrt_bvh_size *size)
     root->budget = build->limits.leaf_limit;
     struct mlrt_forest_costs costs;
     const struct mlrt_forest *next = build->work.forests;
-    measure_scene(build, &root->set.box);
+    build->scene_area = area_between(build->tree->bvh.core.lo, build->tree->bvh.core.hi);
     build->work.task_count = 0;
     find_tasks(build);
     if (!mlrt_is_cancelled(build->progress)) run_step(build, build->work.task_count, build_task);
@@ -812,10 +794,11 @@ static int32_t build_hierarchy(struct build *build)
 /* Sets all settings and capacities that follow from the options and the number of triangles. */
 static void set_limits(const mlrt_tree_options *options, uint32_t triangle_count, struct build *build)
 {
-    build->preset = &PRESETS[options != NULL ? options->preset : MLRT_TREE_DEFAULT];
+    build->pool = options->pool;
+    build->preset = &PRESETS[options->preset];
     build->costs = COSTS;
-    if (options != NULL && options->traversal_cost > 0) build->costs.node = options->traversal_cost;
-    if (options != NULL && options->intersection_cost > 0) build->costs.triangle = options->intersection_cost;
+    if (options->traversal_cost > 0) build->costs.node = options->traversal_cost;
+    if (options->intersection_cost > 0) build->costs.triangle = options->intersection_cost;
     build->limits.capacity = triangle_count + (uint32_t)((float)triangle_count * build->preset->spare_share);
     build->limits.leaf_limit = build->limits.capacity / LEAF_SHARE + 1;
     build->limits.task_size =
@@ -835,7 +818,6 @@ int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options,
     struct build build = NOTHING_BUILT;
     if (tree->triangle_count >= MLRT_REFERENCE_MARK) return MLRT_ERROR_TOO_LARGE;
     build.tree = tree;
-    build.pool = options != NULL ? options->pool : NULL;
     build.progress = progress;
     set_limits(options, tree->triangle_count, &build);
     int32_t status = build_hierarchy(&build);
@@ -858,7 +840,6 @@ struct mlrt_demand mlrt_foresee_bvh(const void *tree_options, uint32_t triangle_
     const mlrt_tree_options *options = tree_options;
     struct build build = NOTHING_BUILT;
     set_limits(options, triangle_count, &build);
-    build.pool = options->pool;
     const uint64_t references = (uint64_t)build.limits.capacity * REFERENCE_ROOM;
     const uint64_t work = lay_out_work(&build, NULL);
     const uint64_t result = (uint64_t)(RESULT_SIZES[options->preset] * triangle_count) + sizeof(struct mlrt_bvh_node) +

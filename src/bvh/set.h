@@ -35,11 +35,15 @@ MLRT_INLINE void grow(struct mlrt_quad_box *box, f4 lo, f4 hi)
 }
 
 /* Half the surface area, in double because extents are 2^-149 to 2^129. */
+MLRT_INLINE double area_between(const float lo[3], const float hi[3])
+{
+    const double x = (double)hi[0] - lo[0], y = (double)hi[1] - lo[1], z = (double)hi[2] - lo[2];
+    return x * y + y * z + z * x;
+}
+
 MLRT_INLINE double area_of(const struct mlrt_quad_box *box)
 {
-    double x = (double)box->hi.x[0] - box->lo.x[0], y = (double)box->hi.x[1] - box->lo.x[1],
-           z = (double)box->hi.x[2] - box->lo.x[2];
-    return x * y + y * z + z * x;
+    return area_between(box->lo.x, box->hi.x);
 }
 
 /*
@@ -105,10 +109,10 @@ MLRT_INLINE struct mlrt_bvh_set empty_set(uint32_t first)
     return (struct mlrt_bvh_set){empty_box(), empty_box(), first, 0};
 }
 
-MLRT_INLINE void add_reference(struct mlrt_bvh_set *set, f4 lo, f4 hi)
+MLRT_INLINE void add_reference(const struct mlrt_quad_box *reference, struct mlrt_bvh_set *set)
 {
-    const f4 centre = centre_of(lo, hi);
-    grow(&set->box, lo, hi);
+    const f4 centre = centre_of(reference->lo.v, reference->hi.v);
+    grow(&set->box, reference->lo.v, reference->hi.v);
     grow(&set->centres, centre, centre);
     set->count++;
 }

@@ -223,16 +223,14 @@ static int choose_side(const struct dealing *dealing, const struct mlrt_quad_box
     return whole[better] < both && dealing->count[1 - better] > 1 ? better : 2;
 }
 
-static void deal(struct dealing *dealing, int side, const struct mlrt_quad_box *reference)
-{
-    add_reference(&dealing->side[side], reference->lo.v, reference->hi.v);
-}
-
-static void deal_whole(struct dealing *dealing, int side, const struct mlrt_quad_box *reference)
+/* Leaves a reference whole, as the part of one side. Returns the bit of the side. */
+static int keep_whole(struct dealing *dealing, int side, const struct mlrt_quad_box *reference,
+                      struct mlrt_quad_box parts[2])
 {
     grow(&dealing->box[side], reference->lo.v, reference->hi.v);
     dealing->count[1 - side]--;
-    deal(dealing, side, reference);
+    parts[side] = *reference;
+    return 1 << side;
 }
 
 /*
@@ -280,12 +278,12 @@ void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit,
     while (next < upper) {
         if (mlrt_is_cancelled_in_round(progress, upper - next)) break;
         if (slab_of(&slabs, axis, references[next].hi.x[axis]) <= split->bin) {
-            deal(&dealing, 0, &references[next]);
+            add_reference(&references[next], &dealing.side[0]);
             if (next != lower) swap_references(&references[next], &references[lower]);
             lower++;
             next++;
         } else if (slab_of(&slabs, axis, references[next].lo.x[axis]) > split->bin) {
-            deal(&dealing, 1, &references[next]);
+            add_reference(&references[next], &dealing.side[1]);
             swap_references(&references[next], &references[--upper]);
         } else {
             next++;
@@ -295,16 +293,11 @@ void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit,
     for (next = lower; next < upper; next++) {
         if (next % CUT_ROUNDS == 0 && mlrt_is_cancelled(progress)) break;
         struct mlrt_quad_box reference = references[next], parts[2];
-        int side = choose_side(&dealing, &reference);
-        int touched = side == 2 ? cut_reference(triangles, unit, &reference, axis, position, parts) : 0;
-        if (side < 2) {
-            deal_whole(&dealing, side, &reference);
-            parts[side] = reference;
-            touched = 1 << side;
-        } else {
-            for (int i = 0; i < 2; i++)
-                if (touched >> i & 1) deal(&dealing, i, &parts[i]);
-        }
+        const int side = choose_side(&dealing, &reference);
+        const int touched = side < 2 ? keep_whole(&dealing, side, &reference, parts)
+                                     : cut_reference(triangles, unit, &reference, axis, position, parts);
+        for (int i = 0; i < 2; i++)
+            if (touched >> i & 1) add_reference(&parts[i], &dealing.side[i]);
         if (touched == 3) mlrt_mark_copy(&parts[1]);
         if (touched & 1) references[lower++] = parts[0];
         if (touched & 2) references[end++] = parts[1];

@@ -15,7 +15,7 @@ struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uin
 {
     struct mlrt_bvh_set set = empty_set(first);
     for (uint32_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++)
-        add_reference(&set, references[first + i].lo.v, references[first + i].hi.v);
+        add_reference(&references[first + i], &set);
     set.count = count;
     return set;
 }

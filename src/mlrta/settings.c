@@ -35,8 +35,6 @@ static uint32_t default_depth(uint32_t triangle_count)
 
 struct mlrt_kdtree_settings mlrt_resolve_kdtree_options(const mlrt_kdtree_options *options, uint32_t triangle_count)
 {
-    static const mlrt_kdtree_options DEFAULTS;
-    if (options == NULL) options = &DEFAULTS;
     struct mlrt_kdtree_settings settings = {PRESETS[options->preset], options->rules_off, options->max_depth,
                                             options->max_references, options->pool};
     if (options->traversal_cost > 0) settings.preset.model.traversal = options->traversal_cost;

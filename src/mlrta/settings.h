@@ -18,7 +18,7 @@ struct mlrt_kdtree_settings {
     mlrt_pool *pool;
 };
 
-/* Options, NULL = defaults, with all defaults resolved. */
+/* Options with all defaults resolved. */
 struct mlrt_kdtree_settings mlrt_resolve_kdtree_options(const mlrt_kdtree_options *options, uint32_t triangle_count);
 
 #endif
