@@ -725,7 +725,7 @@ static void tasks_do_the_work_however_they_run(void **state)
         open_books(&books);
         const mlrt_host host = host_with(&books);
         mlrt_pool *pool = task_pool(&jobs, how, 4, &host);
-        assert_int_equal(books.block_count, 2);
+        assert_int_equal(books.block_count, 1);
         for (int kind = 0; kind < CALL_COUNT; kind++) {
             memset(scene->ids, 0xA5, RAYS * sizeof *scene->ids);
             assert_int_equal(make_call(scene, kind, &host, pool), MLRT_OK);
@@ -855,16 +855,14 @@ static void pool_options_are_checked(void **state)
     assert_null(pool);
     pool = task_pool(&jobs, AT_ONCE, 1, NULL);
     mlrt_destroy_pool(pool);
-    for (uint32_t fail_from = 1; fail_from <= 2; fail_from++) {
-        struct books books;
-        open_books(&books);
-        books.fail_from = fail_from;
-        const mlrt_host host = host_with(&books);
-        options = good;
-        options.host = &host;
-        assert_int_equal(mlrt_create_pool_with_options(&options, &pool), MLRT_ERROR_OUT_OF_MEMORY);
-        assert_balanced(&books);
-    }
+    struct books books;
+    open_books(&books);
+    books.fail_from = 1;
+    const mlrt_host host = host_with(&books);
+    options = good;
+    options.host = &host;
+    assert_int_equal(mlrt_create_pool_with_options(&options, &pool), MLRT_ERROR_OUT_OF_MEMORY);
+    assert_balanced(&books);
 }
 
 int main(void)

@@ -35,8 +35,6 @@ struct thread {
 
 /* The threads of a pool, and the batch that they work on. */
 struct threads {
-    struct thread *all;
-    size_t capacity;
     pthread_cond_t batch_begins;
     pthread_cond_t batch_ends;
     struct batch *batch;   /* NULL between calls */
@@ -59,6 +57,8 @@ struct mlrt_pool {
     pthread_mutex_t mutex;      /* guards batches and all members below */
     struct threads threads;
     struct tasks tasks;
+    size_t size;          /* of this block */
+    struct thread each[]; /* the threads */
 };
 
 /* How often a thread looks whether it may go on before it sleeps: for about as long as waking it takes. */
@@ -181,22 +181,17 @@ static void free_pool(mlrt_pool *pool)
     pthread_mutex_destroy(&pool->mutex);
     pthread_mutex_destroy(&pool->call_mutex);
     struct mlrt_memory memory = pool->memory;
-    mlrt_free(&memory, pool->threads.all, pool->threads.capacity, sizeof *pool->threads.all);
-    mlrt_free(&memory, pool, 1, sizeof *pool);
+    mlrt_free(&memory, pool, 1, pool->size);
 }
 
 static mlrt_pool *allocate_pool(const mlrt_host *host, uint32_t thread_capacity)
 {
     struct mlrt_memory memory = mlrt_host_memory(host, 0);
-    mlrt_pool *pool = mlrt_allocate_zeroed(&memory, 1, sizeof *pool);
+    const size_t size = sizeof(mlrt_pool) + thread_capacity * sizeof(struct thread);
+    mlrt_pool *pool = mlrt_allocate_zeroed(&memory, 1, size);
     if (!pool) return NULL;
-    pool->threads.all = mlrt_allocate_zeroed(&memory, thread_capacity, sizeof *pool->threads.all);
-    if (!pool->threads.all) {
-        mlrt_free(&memory, pool, 1, sizeof *pool);
-        return NULL;
-    }
     pool->memory = memory;
-    pool->threads.capacity = thread_capacity;
+    pool->size = size;
     pthread_mutex_init(&pool->call_mutex, NULL);
     pthread_mutex_init(&pool->mutex, NULL);
     pthread_cond_init(&pool->threads.batch_begins, NULL);
@@ -213,7 +208,7 @@ static uint32_t online_processor_count(void)
 static int32_t start_threads(mlrt_pool *pool, uint32_t thread_count)
 {
     for (uint32_t worker = 1; worker < thread_count; ++worker) {
-        struct thread *thread = &pool->threads.all[worker - 1];
+        struct thread *thread = &pool->each[worker - 1];
         thread->pool = pool;
         thread->worker = worker;
         if (pthread_create(&thread->handle, NULL, run_thread, thread) != 0) return MLRT_ERROR_THREAD;
@@ -229,8 +224,7 @@ void mlrt_end_pool(mlrt_pool *pool)
     change_counter(&pool->threads.batch_number, 1);
     pthread_cond_broadcast(&pool->threads.batch_begins);
     pthread_mutex_unlock(&pool->mutex);
-    for (uint32_t i = 0; i < pool->thread_count && !pool->tasks.enqueue; ++i)
-        pthread_join(pool->threads.all[i].handle, NULL);
+    for (uint32_t i = 0; i < pool->thread_count && !pool->tasks.enqueue; ++i) pthread_join(pool->each[i].handle, NULL);
     free_pool(pool);
 }
 
