@@ -469,7 +469,7 @@ static struct mlrt_binary_node *start_node(const struct build *build, const stru
 }
 
 /* Cuts a portion in two and returns 1. Returns 0 if the portion becomes a leaf, or the call is cancelled. */
-static int cut(struct build *build, struct portion *portion, struct mlrt_binary_node *node, struct portion sides[2])
+static int cut(struct build *build, struct portion *portion, struct portion sides[2])
 {
     struct mlrt_bvh_split split;
     int is_small = portion->set.count <= MLRT_BVH_LEAF_LIMIT;
@@ -479,9 +479,7 @@ static int cut(struct build *build, struct portion *portion, struct mlrt_binary_
     /* If cancelled, bins may be unfinished, and a plane chosen from them may cut more references than fit. */
     if (split.kind == MLRT_SPLIT_BY_PLANE && mlrt_is_cancelled(build->progress)) return 0;
     if (is_small && (split.cost == HUGE_VAL || !split_pays(build, &portion->set, &split))) return 0;
-    if (!apply(build, portion, &split, sides)) return 0;
-    node->upper = sides[1].node;
-    return 1;
+    return apply(build, portion, &split, sides);
 }
 
 /* ---- binary hierarchy ---------------------------------------------------------------------------------------- */
@@ -493,7 +491,7 @@ static uint32_t build_subtree(struct build *build, struct portion *portion, stru
     struct portion sides[2];
     struct mlrt_forest_costs side_costs[2];
     float area = relative_area(build, node->lo, node->hi);
-    if (!cut(build, portion, node, sides)) {
+    if (!cut(build, portion, sides)) {
         mlrt_choose_leaf(&build->costs, area, node, costs);
         for (uint32_t i = node->first; i < node->first + node->count; i++)
             build->binary.words[i] = mlrt_reference_word(&build->references.boxes[i]);
@@ -515,9 +513,11 @@ static double build_task(struct build *build, uint32_t item, uint32_t worker)
 static double cut_item(struct build *build, uint32_t item, uint32_t worker)
 {
     struct portion *portion = build->work.level[item];
+    struct portion *sides = &build->work.portions[build->work.portion_count + 2 * item];
     (void)worker;
     if (build->shared.portion == NULL && portion->set.count >= build->shared.least_size) return 0;
-    (void)cut(build, portion, start_node(build, portion), &build->work.portions[build->work.portion_count + 2 * item]);
+    struct mlrt_binary_node *node = start_node(build, portion);
+    if (cut(build, portion, sides)) node->upper = sides[1].node;
     return 0;
 }
 
