@@ -482,7 +482,7 @@ $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(TEST_COMMON) $(EXAMPLE_COMMON) 
 	$(Q)$(LINK) $(WRAP) $^ $(EXAMPLE_LIBS) -lcmocka -lgmp -o $@
 
 # Functions that the test replaces, to pretend what cannot be had everywhere.
-$(BUILD)/tests/test_messages: private WRAP := $(patsubst %,-Wl$(comma)--wrap=%,pthread_create mlrt_select_kernels mlrt_write_forest)
+$(BUILD)/tests/test_messages: private WRAP := $(patsubst %,-Wl$(comma)--wrap=%,pthread_create mlrt_select_kernels mlrt_build_binary)
 
 # Fuzzes loading, from files that test_save writes, for as long as FUZZ says. Needs clang: see tests/fuzz_load.c.
 FUZZ ?= -max_total_time=60

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bvh/collapse.h"
+#include "bvh/build.h"
 #include "bvh/node.h"
 #include "forged_files.h"
 #include "mlrta/kdtree.h"
@@ -119,12 +119,8 @@ const struct mlrt_kernels *__real_mlrt_select_kernels(const struct mlrt_structur
                                                       int32_t method, int counting);
 const struct mlrt_kernels *__wrap_mlrt_select_kernels(const struct mlrt_structure *structure, int32_t isa,
                                                       int32_t method, int counting);
-void __real_mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots,
-                              struct mlrt_tree *tree, struct mlrt_progress *progress, struct mlrt_forest *next,
-                              struct mlrt_bvh_cursor *cursor);
-void __wrap_mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots,
-                              struct mlrt_tree *tree, struct mlrt_progress *progress, struct mlrt_forest *next,
-                              struct mlrt_bvh_cursor *cursor);
+int32_t __real_mlrt_build_binary(struct mlrt_bvh_build *build);
+int32_t __wrap_mlrt_build_binary(struct mlrt_bvh_build *build);
 
 int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*function)(void *), void *data)
 {
@@ -140,12 +136,12 @@ const struct mlrt_kernels *__wrap_mlrt_select_kernels(const struct mlrt_structur
     return __real_mlrt_select_kernels(structure, isa, method, counting);
 }
 
-void __wrap_mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots,
-                              struct mlrt_tree *tree, struct mlrt_progress *progress, struct mlrt_forest *next,
-                              struct mlrt_bvh_cursor *cursor)
+/* A hierarchy of one leaf pretends that this has 2^30 - 1 quads. */
+int32_t __wrap_mlrt_build_binary(struct mlrt_bvh_build *build)
 {
-    __real_mlrt_write_forest(binary, number, slots, tree, progress, next, cursor);
-    if (pretended == MANY_QUADS && !cursor->parent) cursor->size.quad_count += UINT32_MAX >> 3;
+    const int32_t status = __real_mlrt_build_binary(build);
+    if (pretended == MANY_QUADS) build->binary.nodes[0].count = UINT32_MAX - 3;
+    return status;
 }
 
 /* ---- checks ---- */

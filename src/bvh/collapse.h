@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * From a binary hierarchy to nodes of sixteen: chooses which binary nodes become nodes and leaves, so that the expected
- * cost is least, and writes these.
+ * cost is least. write.c writes these.
  *
  * Based on: Henri Ylitie, Tero Karras, Samuli Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed
  * Wide BVHs", 2017, section 3 (the cut by dynamic programming).
@@ -10,7 +10,7 @@
 #define MLRT_BVH_COLLAPSE_H
 
 #include "bvh/node.h"
-#include "bvh/split.h"
+#include "bvh/set.h"
 
 /*
  * A node of the binary hierarchy. Its lower child is the next one in the array.
@@ -44,56 +44,5 @@ void mlrt_choose_leaf(const struct mlrt_bvh_costs *costs, float area, struct mlr
 /* Sets choices and costs of a binary node with two children, from the costs of these. */
 void mlrt_choose_cut(const struct mlrt_bvh_costs *costs, float area, const struct mlrt_forest_costs children[2],
                      struct mlrt_binary_node *node, struct mlrt_forest_costs *result);
-
-/* When a leaf is written, the triangles of the references so many places behind its own are prefetched. */
-#define MLRT_WORDS_AHEAD 32
-
-/*
- * The binary hierarchy. `words` has mlrt_reference_word of each reference. Between sets, and in MLRT_WORDS_AHEAD more
- * places at the end, it is not set.
- */
-struct mlrt_binary_tree {
-    struct mlrt_binary_node *nodes;
-    uint32_t *words;
-};
-
-/* The size of a part of the hierarchy. Counts stay below 2^32: there are fewer leaves than MLRT_REFERENCE_MARK. */
-struct mlrt_bvh_size {
-    uint32_t node_count;
-    uint32_t quad_count;
-    uint32_t slot_count; /* of the node above */
-    uint32_t depth;      /* nodes on the longest path from the root */
-};
-
-/* Adds the size of the next part, in depth-first order. */
-void mlrt_add_size(const struct mlrt_bvh_size *part, struct mlrt_bvh_size *sum);
-
-/* Where the next node, quad and slot are written: behind those that `size` counts. */
-struct mlrt_bvh_cursor {
-    struct mlrt_bvh_size size;
-    uint32_t depth;               /* of the parent */
-    struct mlrt_bvh_node *parent; /* the node whose children are written; NULL = nothing is written, only counted */
-};
-
-/* A binary node that one worker makes, and all below it. */
-struct mlrt_forest {
-    uint32_t node;
-    struct mlrt_forest_costs costs;
-    uint32_t slots;              /* of the node above, that it may take at most */
-    struct mlrt_bvh_cursor from; /* where it is written */
-    struct mlrt_bvh_size size;   /* 0 until it is measured */
-};
-
-/*
- * Writes what binary node `number` and all below it become, as at most `slots` slots of a node above, into tree->bvh,
- * which has room for it; not all of it if the call is cancelled. Moves the cursor behind it. The forests from `next` on
- * (NULL = there are none), which end with one of no node, are left out: sets `slots` and `from` of each, and moves the
- * cursor by its size.
- */
-void mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, struct mlrt_tree *tree,
-                       struct mlrt_progress *progress, struct mlrt_forest *next, struct mlrt_bvh_cursor *cursor);
-
-/* Makes all slots of a node empty. */
-void mlrt_clear_node(struct mlrt_bvh_node *node);
 
 #endif

@@ -90,6 +90,8 @@ int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options,
  */
 struct mlrt_demand mlrt_foresee_bvh(const void *tree_options, uint32_t triangle_count);
 
+/* ---- write.c ------------------------------------------------------------------------------------------------------ */
+
 /* Frees the hierarchy of mlrt_build_bvh. tree->bvh is empty then. */
 void mlrt_free_bvh(struct mlrt_tree *tree);
 

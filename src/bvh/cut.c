@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: MIT */
+/* Cuts a set of references in two: looks for the split that costs least within the set's limits, and makes it. */
+#include "bvh/build.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/tuning.h"
+#include "bvh/unit.h"
+
+/* ---- looking for a split --------------------------------------------------------------------------------------- */
+
+/* Adds `count` of a set's references, from `first` on, to its bins. */
+static void fill_part(const struct mlrt_bvh_build *build, const struct mlrt_bvh_set *set, uint32_t first,
+                      uint32_t count, struct mlrt_bvh_bins *bins)
+{
+    if (bins->kind == MLRT_SPLIT_BY_PLANE)
+        mlrt_fill_slabs(build->tree->triangles, build->tree->bvh.unit, build->references.boxes, first, count, &set->box,
+                        build->progress, bins);
+    else
+        mlrt_fill_bins(build->references.boxes, first, count, &set->centres, build->progress, bins);
+}
+
+static double fill_share(struct mlrt_bvh_build *build, uint32_t chunk, uint32_t worker)
+{
+    const struct mlrt_bvh_set *set = &build->work.shared->set;
+    fill_part(build, set, set->first + chunk * MLRT_CHUNK_SIZE, mlrt_item_size(set->count, MLRT_CHUNK_SIZE, chunk),
+              &build->work.shares[worker]);
+    return 0;
+}
+
+/* Fills bins with the references of a portion. If the call is cancelled, not with all. */
+static void fill(struct mlrt_bvh_build *build, const struct mlrt_portion *portion, enum mlrt_split_kind kind,
+                 struct mlrt_bvh_bins *all)
+{
+    const uint32_t count = portion->set.count;
+    mlrt_clear_bins(kind, count, all);
+    if (build->work.shared != portion) {
+        fill_part(build, &portion->set, portion->set.first, count, all);
+        return;
+    }
+    const uint32_t worker_count = mlrt_worker_count(build->pool);
+    for (uint32_t i = 0; i < worker_count; i++) build->work.shares[i] = *all;
+    mlrt_run_step(build, mlrt_item_count(count, MLRT_CHUNK_SIZE), fill_share);
+    for (uint32_t i = 0; i < worker_count; i++) mlrt_merge_bins(&build->work.shares[i], all);
+}
+
+/* Sets *split to the cheapest of its kind within the portion's limits. Not inlined, for the stack of a recursion. */
+static MLRT_NOINLINE void find_split(struct mlrt_bvh_build *build, const struct mlrt_portion *portion,
+                                     enum mlrt_split_kind kind, struct mlrt_bvh_split *split)
+{
+    struct mlrt_bvh_bins bins;
+    if (kind != MLRT_SPLIT_BY_RANK) fill(build, portion, kind, &bins);
+    if (kind == MLRT_SPLIT_BY_RANK)
+        mlrt_sweep_set(&build->costs, build->references.boxes, &portion->set, split);
+    else if (kind == MLRT_SPLIT_BY_BIN)
+        mlrt_choose_split(&build->costs, &bins, &portion->set, split);
+    else
+        mlrt_choose_plane(&build->costs, &bins, portion->set.count, portion->spare, split);
+    if (split->cost < HUGE_VAL && !mlrt_may_split(portion, split->count[0], split->count[1])) split->cost = HUGE_VAL;
+}
+
+/* 1 if the sides of the best split by centres overlap so much that a spatial split is tried, as Stich et al. do. */
+static int overlaps(const struct mlrt_bvh_build *build, const struct mlrt_bvh_split *split)
+{
+    struct mlrt_quad_box common;
+    for (int k = 0; k < 3; k++) {
+        const struct mlrt_quad_box *a = &split->box[0], *b = &split->box[1];
+        common.lo.x[k] = a->lo.x[k] > b->lo.x[k] ? a->lo.x[k] : b->lo.x[k];
+        common.hi.x[k] = a->hi.x[k] < b->hi.x[k] ? a->hi.x[k] : b->hi.x[k];
+        if (common.lo.x[k] > common.hi.x[k]) return 0;
+    }
+    return area_of(&common) > build->preset->overlap_limit * build->scene_area;
+}
+
+static void choose(struct mlrt_bvh_build *build, struct mlrt_portion *portion, struct mlrt_bvh_split *split)
+{
+    struct mlrt_bvh_split plane;
+    const int is_sorted = portion->set.count <= MLRT_SWEEP_LIMIT;
+    find_split(build, portion, is_sorted ? MLRT_SPLIT_BY_RANK : MLRT_SPLIT_BY_BIN, split);
+    if (portion->spare == 0 || portion->set.count <= build->preset->spatial_size) return;
+    /* Larger coordinates are too large for the float arithmetic of spatial_split.c. */
+    if (!mlrt_is_within(portion->set.box.lo.x, portion->set.box.hi.x, MLRT_SAFE_MAX)) return;
+    if (split->cost < HUGE_VAL && !is_sorted && !overlaps(build, split)) return;
+    if (portion->failed_count > build->preset->failure_limit) return;
+    find_split(build, portion, MLRT_SPLIT_BY_PLANE, &plane);
+    portion->failed_count++;
+    if (!(plane.cost < MLRT_PLANE_GAIN * split->cost)) return;
+    *split = plane;
+    portion->failed_count = 0;
+}
+
+/* ---- cutting ------------------------------------------------------------------------------------------------- */
+
+/*
+ * 1 if the split costs less than a leaf, or a leaf would have too many triangles. Another child of a node counts as a
+ * sixteenth of a node.
+ */
+static int split_pays(const struct mlrt_bvh_build *build, const struct mlrt_bvh_set *set,
+                      const struct mlrt_bvh_split *split)
+{
+    const struct mlrt_bvh_costs *costs = &build->costs;
+    if (set->count > MLRT_LEAF_TRIANGLES) return 1;
+    double area = area_of(&set->box);
+    return split->cost + area * (costs->node / MLRT_BVH_WIDTH) < area * set_cost(costs, set->count);
+}
+
+/*
+ * Moves the references of a set to another first place; their order does not matter, so only those outside the new
+ * place are moved. If the call is cancelled, not all of them.
+ */
+static void move_set(const struct mlrt_bvh_build *build, struct mlrt_bvh_set *set, uint32_t first)
+{
+    const uint32_t distance = first > set->first ? first - set->first : set->first - first;
+    const uint32_t count = distance < set->count ? distance : set->count;
+    const uint32_t from = first > set->first ? set->first : set->first + set->count - count;
+    const uint32_t to = first > set->first ? first + set->count - count : first;
+    for (uint32_t i = 0; i < count && !mlrt_is_cancelled_in_round(build->progress, i + MLRT_CHUNK_SIZE);
+         i += MLRT_CHUNK_SIZE)
+        memcpy(build->references.boxes + to + i, build->references.boxes + from + i,
+               (count - i < MLRT_CHUNK_SIZE ? count - i : MLRT_CHUNK_SIZE) * sizeof *build->references.boxes);
+    set->first = first;
+}
+
+/* Halves a set of which a spatial split left one side empty. */
+static void halve(struct mlrt_bvh_build *build, struct mlrt_bvh_set sets[2])
+{
+    static const struct mlrt_bvh_split NO_SPLIT = {.cost = HUGE_VAL};
+    struct mlrt_bvh_set whole = sets[0].count > 0 ? sets[0] : sets[1];
+    mlrt_apply_bvh_split(build->references.boxes, &whole, &NO_SPLIT, build->progress, sets);
+}
+
+/* Deals the references of a portion out to its sides. Returns 0 if the call is cancelled. */
+static int apply(struct mlrt_bvh_build *build, const struct mlrt_portion *portion, const struct mlrt_bvh_split *split,
+                 struct mlrt_portion sides[2])
+{
+    struct mlrt_bvh_set sets[2];
+    if (split->kind == MLRT_SPLIT_BY_PLANE)
+        mlrt_apply_spatial_split(build->tree->triangles, build->tree->bvh.unit, build->references.boxes, &portion->set,
+                                 split, build->progress, sets);
+    else
+        mlrt_apply_bvh_split(build->references.boxes, &portion->set, split, build->progress, sets);
+    if (mlrt_is_cancelled(build->progress)) return 0;
+    if (sets[0].count == 0 || sets[1].count == 0) halve(build, sets);
+    mlrt_share_out(build, portion, sets, sides);
+    move_set(build, &sides[0].set, portion->set.first);
+    move_set(build, &sides[1].set, portion->set.first + sides[0].set.count + sides[0].spare);
+    return 1;
+}
+
+int mlrt_cut_portion(struct mlrt_bvh_build *build, struct mlrt_portion *portion, struct mlrt_portion sides[2])
+{
+    struct mlrt_bvh_split split;
+    int is_small = portion->set.count <= MLRT_BVH_LEAF_LIMIT;
+    if (is_small && (portion->budget < 2 || portion->set.count < 2)) return 0;
+    if (mlrt_advance(build->progress, build->limits.cut_work * portion->set.count)) return 0;
+    choose(build, portion, &split);
+    /* If cancelled, bins may be unfinished, and a plane chosen from them may cut more references than fit. */
+    if (split.kind == MLRT_SPLIT_BY_PLANE && mlrt_is_cancelled(build->progress)) return 0;
+    if (is_small && (split.cost == HUGE_VAL || !split_pays(build, &portion->set, &split))) return 0;
+    return apply(build, portion, &split, sides);
+}
