@@ -109,10 +109,10 @@ static int allocate_work(struct mlrt_bvh_build *build)
     return build->block.start != NULL;
 }
 
-static void release_references(struct mlrt_bvh_build *build)
+static void free_work(struct mlrt_bvh_build *build)
 {
     mlrt_free(&build->tree->memory, build->references.boxes, build->limits.capacity, MLRT_REFERENCE_ROOM);
-    build->references.boxes = NULL;
+    mlrt_free(&build->tree->memory, build->block.start, (size_t)build->block.size, 1);
 }
 
 /* ---- the whole hierarchy ------------------------------------------------------------------------------------- */
@@ -161,18 +161,13 @@ static void set_limits(const mlrt_tree_options *options, uint32_t triangle_count
     build->limits.cut_work = (MLRT_BVH_WORK - MLRT_FIRST_WORK - MLRT_LAST_WORK) / levels;
 }
 
-static const struct mlrt_bvh_build NOTHING_BUILT;
-
 int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options, struct mlrt_progress *progress)
 {
-    struct mlrt_bvh_build build = NOTHING_BUILT;
+    struct mlrt_bvh_build build = {.tree = tree, .progress = progress};
     if (tree->triangle_count >= MLRT_REFERENCE_MARK) return MLRT_ERROR_TOO_LARGE;
-    build.tree = tree;
-    build.progress = progress;
     set_limits(options, tree->triangle_count, &build);
     int32_t status = build_hierarchy(&build);
-    release_references(&build);
-    mlrt_free(&tree->memory, build.block.start, (size_t)build.block.size, 1);
+    free_work(&build);
     if (status != MLRT_OK) mlrt_free_bvh(tree);
     return status;
 }
@@ -188,7 +183,7 @@ static const double RESULT_SIZES[] = {62, 57, 70};
 struct mlrt_demand mlrt_foresee_bvh(const void *tree_options, uint32_t triangle_count)
 {
     const mlrt_tree_options *options = tree_options;
-    struct mlrt_bvh_build build = NOTHING_BUILT;
+    struct mlrt_bvh_build build = {.tree = NULL};
     set_limits(options, triangle_count, &build);
     const uint64_t references = (uint64_t)build.limits.capacity * MLRT_REFERENCE_ROOM;
     const uint64_t work = lay_out_work(&build, NULL);

@@ -63,13 +63,10 @@ static MLRT_NOINLINE void find_split(struct mlrt_bvh_build *build, const struct 
 /* 1 if the sides of the best split by centres overlap so much that a spatial split is tried, as Stich et al. do. */
 static int overlaps(const struct mlrt_bvh_build *build, const struct mlrt_bvh_split *split)
 {
-    struct mlrt_quad_box common;
-    for (int k = 0; k < 3; k++) {
-        const struct mlrt_quad_box *a = &split->box[0], *b = &split->box[1];
-        common.lo.x[k] = a->lo.x[k] > b->lo.x[k] ? a->lo.x[k] : b->lo.x[k];
-        common.hi.x[k] = a->hi.x[k] < b->hi.x[k] ? a->hi.x[k] : b->hi.x[k];
+    const struct mlrt_quad_box *a = &split->box[0], *b = &split->box[1];
+    const struct mlrt_quad_box common = {{.v = f4_max(a->lo.v, b->lo.v)}, {.v = f4_min(a->hi.v, b->hi.v)}};
+    for (int k = 0; k < 3; k++)
         if (common.lo.x[k] > common.hi.x[k]) return 0;
-    }
     return area_of(&common) > build->preset->overlap_limit * build->scene_area;
 }
 

@@ -238,13 +238,12 @@ static int32_t write_all(struct mlrt_bvh_build *build)
 
 void mlrt_free_bvh(struct mlrt_tree *tree)
 {
-    static const struct mlrt_bvh NONE;
     struct mlrt_bvh *bvh = &tree->bvh;
     mlrt_free(&tree->memory, bvh->nodes, bvh->node_count, sizeof *bvh->nodes);
     mlrt_free(&tree->memory, bvh->corners, 36 * (size_t)bvh->quad_count + 16, sizeof *bvh->corners);
     mlrt_free(&tree->memory, bvh->numbers, 4 * (size_t)bvh->quad_count + 16, sizeof *bvh->numbers);
     mlrt_free(&tree->memory, bvh->places, tree->triangle_count, sizeof *bvh->places);
-    *bvh = NONE;
+    *bvh = (struct mlrt_bvh){.nodes = NULL};
 }
 
 /* Marks the places of a chunk of triangles as those of triangles in no leaf. Leaves write the places of theirs. */
