@@ -119,26 +119,26 @@ static void move_set(const struct mlrt_bvh_build *build, struct mlrt_bvh_set *se
     set->first = first;
 }
 
-/* Halves a set of which a spatial split left one side empty. */
-static void halve(struct mlrt_bvh_build *build, struct mlrt_bvh_set sets[2])
-{
-    static const struct mlrt_bvh_split NO_SPLIT = {.cost = HUGE_VAL};
-    struct mlrt_bvh_set whole = sets[0].count > 0 ? sets[0] : sets[1];
-    mlrt_apply_bvh_split(build->references.boxes, &whole, &NO_SPLIT, build->progress, sets);
-}
-
-/* Deals the references of a portion out to its sides. Returns 0 if the call is cancelled. */
+/*
+ * Deals the references of a portion out to its sides: halves, if there is no split, or a spatial split leaves one side
+ * empty. Returns 0 if the call is cancelled.
+ */
 static int apply(struct mlrt_bvh_build *build, const struct mlrt_portion *portion, const struct mlrt_bvh_split *split,
                  struct mlrt_portion sides[2])
 {
     struct mlrt_bvh_set sets[2];
-    if (split->kind == MLRT_SPLIT_BY_PLANE)
+    if (split->cost == HUGE_VAL)
+        mlrt_halve_set(build->references.boxes, &portion->set, build->progress, sets);
+    else if (split->kind == MLRT_SPLIT_BY_PLANE)
         mlrt_apply_spatial_split(build->tree->triangles, build->tree->bvh.unit, build->references.boxes, &portion->set,
                                  split, build->progress, sets);
     else
         mlrt_apply_bvh_split(build->references.boxes, &portion->set, split, build->progress, sets);
     if (mlrt_is_cancelled(build->progress)) return 0;
-    if (sets[0].count == 0 || sets[1].count == 0) halve(build, sets);
+    if (sets[0].count == 0 || sets[1].count == 0) {
+        const struct mlrt_bvh_set whole = sets[sets[0].count == 0];
+        mlrt_halve_set(build->references.boxes, &whole, build->progress, sets);
+    }
     mlrt_share_out(build, portion, sets, sides);
     move_set(build, &sides[0].set, portion->set.first);
     move_set(build, &sides[1].set, portion->set.first + sides[0].set.count + sides[0].spare);

@@ -310,22 +310,22 @@ static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_s
     sides[1].centres = upper;
 }
 
-/* ---- both ---------------------------------------------------------------------------------------------------- */
+/* ---- all ---------------------------------------------------------------------------------------------------- */
+
+void mlrt_halve_set(const struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
+                    struct mlrt_progress *progress, struct mlrt_bvh_set sides[2])
+{
+    const uint32_t half = set->count / 2;
+    sides[0] = mlrt_measure_set(references, set->first, half, progress);
+    sides[1] = mlrt_measure_set(references, set->first + half, set->count - half, progress);
+}
 
 void mlrt_apply_bvh_split(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
                           const struct mlrt_bvh_split *split, struct mlrt_progress *progress,
                           struct mlrt_bvh_set sides[2])
 {
-    const int is_split = split->cost < HUGE_VAL;
-    const uint32_t lower_count = is_split ? split->count[0] : set->count / 2;
-    const uint32_t upper = set->first + lower_count, upper_count = set->count - lower_count;
-    if (!is_split) {
-        sides[0] = mlrt_measure_set(references, set->first, lower_count, progress);
-        sides[1] = mlrt_measure_set(references, upper, upper_count, progress);
-        return;
-    }
-    sides[0] = (struct mlrt_bvh_set){split->box[0], set->centres, set->first, lower_count};
-    sides[1] = (struct mlrt_bvh_set){split->box[1], set->centres, upper, upper_count};
+    sides[0] = (struct mlrt_bvh_set){split->box[0], set->centres, set->first, split->count[0]};
+    sides[1] = (struct mlrt_bvh_set){split->box[1], set->centres, set->first + split->count[0], split->count[1]};
     if (split->kind == MLRT_SPLIT_BY_RANK)
         apply_ranks(references, set, split);
     else
