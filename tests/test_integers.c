@@ -343,7 +343,7 @@ static void sides(void **state)
         set_vector(&side, by);
         subtract_vectors(&side, &side, &corner[0][0]); // corners are relative to the origin
         dot_vectors(left, &side, &normal);
-        const int sign = mlrt_exact_side(&input.first, input.ray.origin, by);
+        const int sign = -mlrt_exact_sign_beyond(input.ray.origin, by, &input.first, 1);
         if (sign != mpz_sgn(left)) fail_input(&input, seed, "side");
         zeros += sign == 0;
     }
@@ -367,7 +367,8 @@ static void signs_beyond(void **state)
         mpz_mul(right, right, d[0]);
         mpz_mul_2exp(left, n[0], 149);
         const int order = mpz_cmp(left, right), expected = (order > 0) - (order < 0);
-        if (mlrt_exact_sign_beyond(&input.ray, &input.first, t) != expected) fail_input(&input, seed, "sign beyond");
+        if (mlrt_exact_sign_beyond(input.ray.origin, input.ray.direction, &input.first, t) != expected)
+            fail_input(&input, seed, "sign beyond");
     }
 }
 

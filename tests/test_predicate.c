@@ -451,7 +451,7 @@ static void check_sum(const struct test_case *test)
     const float *from = test->ray.origin, *by = test->ray.direction;
     check(mlrt_side_of_sum(&test->triangle, from, by) == side, "side_of_sum", test);
     check(mlrt_side_of_sum(&test->triangle, by, from) == side, "side_of_sum, swapped", test);
-    check(mlrt_exact_side(&test->triangle, from, by) == side, "mlrt_exact_side", test);
+    check(mlrt_exact_sign_beyond(from, by, &test->triangle, 1) == -side, "exact side of a sum", test);
 }
 
 static void check_triangle(const struct test_case *test)
@@ -459,11 +459,15 @@ static void check_triangle(const struct test_case *test)
     struct integers *z = &first_integers;
     int has_area = mpz_sgn(z->normal[0]) != 0 || mpz_sgn(z->normal[1]) != 0 || mpz_sgn(z->normal[2]) != 0;
     check(mlrt_triangle_has_area(&test->triangle) == has_area, "has_area", test);
-    check(has_area_exactly(&test->triangle) == has_area, "has_area_exactly", test);
+    for (int k = 0; k < 3; ++k) {
+        const float axis[3] = {k == 0, k == 1, k == 2}, *from = test->triangle.v[0];
+        const int facing = mpz_sgn(z->normal[k]);
+        check(mlrt_facing_axis(&test->triangle, k) == facing, "facing an axis", test);
+        check(mlrt_exact_sign_beyond(from, axis, &test->triangle, 1) == -facing, "exactly facing an axis", test);
+    }
     int side = -mpz_sgn(z->n);
     check(mlrt_side_of_plane(&test->triangle, test->ray.origin) == side, "side_of_plane", test);
-    check(mlrt_exact_side(&test->triangle, test->ray.origin, (const float[3]){0, 0, 0}) == side, "mlrt_exact_side",
-          test);
+    check(mlrt_exact_sign_beyond(test->ray.origin, NOWHERE, &test->triangle, 1) == -side, "exact side", test);
     check_sum(test);
 }
 
@@ -501,7 +505,7 @@ static void check_intervals(struct test_case *test, float t)
             test->ray.t_max = around[j];
             if (test->ray.t_min < test->ray.t_max) check_hit(test);
         }
-        check(mlrt_exact_sign_beyond(&test->ray, &test->triangle, around[i]) ==
+        check(mlrt_exact_sign_beyond(test->ray.origin, test->ray.direction, &test->triangle, around[i]) ==
                   expected_beyond(&first_integers, around[i]),
               "sign_beyond_exactly", test);
     }
@@ -754,7 +758,6 @@ static int check_pair(const struct test_case *test, const struct mlrt_triangle *
         int share = expected_share(&first_integers, &second_integers);
         check(mlrt_share_plane(&test->triangle, second) == share, "share_plane", test);
         check(mlrt_share_plane(second, &test->triangle) == share, "share_plane, swapped", test);
-        check(mlrt_exact_share_plane(&test->triangle, second) == share, "mlrt_exact_share_plane", test);
     }
     if (mpz_sgn(first_integers.d) == 0 || mpz_sgn(second_integers.d) == 0) return 0;
     int order = sign_of_int(expected_order(&first_integers, &second_integers));

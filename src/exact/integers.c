@@ -8,9 +8,8 @@
  * unit. Every quantity is linear in the direction, so the direction has a unit of its own.
  *
  * An integer has a whole number of limbs, in two's complement. Let n limbs have b + 3 bits or more. Then n limbs have
- * room for a sum of three coordinates (below 2^(b + 2)), 2 n for a component of a cross product of differences (below
- * 2^(2 b + 3)), 3 n for a determinant (below 2^(3 b + 7), if a vector in it is a sum of three), and as many limbs as
- * both factors for a product. With limbs of 64 bits n is 1 unless magnitudes differ by more than 2^36. Floats are
+ * room for a difference of two coordinates (below 2^(b + 1)), 2 n for a component of a cross product of differences
+ * (below 2^(2 b + 3)), 3 n for a determinant (below 2^(3 b + 6)), and as many limbs as both factors for a product. With limbs of 64 bits n is 1 unless magnitudes differ by more than 2^36. Floats are
  * multiples of 2^-149 below 2^128, so b is at most 301, and the longest product, N1 D2, takes 6 n limbs.
  *
  * Based on: Donald E. Knuth, "The Art of Computer Programming", volume 2, 1997, section 4.3.1 (algorithms A, S, M).
@@ -171,7 +170,8 @@ struct extent {
     int least, greatest;
 };
 
-static const struct extent NO_EXTENT = {2046, 0};
+/* Of zeros: they have the grid of the greatest floats. */
+static const struct extent NO_EXTENT = {1023 + 127, 0};
 
 MLRT_INLINE void extend(double value, struct extent *extent)
 {
@@ -240,14 +240,14 @@ static void subtract(const float to[3], const float from[3], double scale, int c
     }
 }
 
-/* The grid of a ray, a triangle, and `count` more coordinates. */
-static void find_grid(const float origin[3], const float direction[3], const struct mlrt_triangle *triangle,
-                      const float *others, int count, struct grid *grid)
+/* The grid of a ray, a triangle, and a second one unless that is NULL. */
+static void find_grid(const float origin[3], const float direction[3], const struct mlrt_triangle *first,
+                      const struct mlrt_triangle *second, struct grid *grid)
 {
     struct extent extent = NO_EXTENT, direction_extent = NO_EXTENT;
     extend_by(origin, 3, &extent);
-    extend_by(triangle->v[0], 9, &extent);
-    extend_by(others, count, &extent);
+    extend_by(first->v[0], 9, &extent);
+    if (second) extend_by(second->v[0], 9, &extent);
     extend_by(direction, 3, &direction_extent);
     const int point_count = count_limbs(&extent), direction_count = count_limbs(&direction_extent);
     grid->count = point_count > direction_count ? point_count : direction_count;
@@ -272,19 +272,13 @@ static int compare_multiple(const struct integer *x, double factor, const struct
 
 /* ---- the hit rule ------------------------------------------------------------------------------------------------ */
 
-static void find_normal(const struct grid *grid, const struct mlrt_triangle *triangle, struct integer_vector *normal)
-{
-    struct integer_vector ab, ac;
-    subtract(triangle->v[1], triangle->v[0], grid->scale, grid->count, &ab);
-    subtract(triangle->v[2], triangle->v[0], grid->scale, grid->count, &ac);
-    cross(&ab, &ac, grid->count, normal);
-}
-
 static void find_crossing(const struct grid *grid, const float origin[3], const struct mlrt_triangle *triangle,
                           struct integer *d, struct integer *n)
 {
-    struct integer_vector normal, to_a;
-    find_normal(grid, triangle, &normal);
+    struct integer_vector ab, ac, normal, to_a;
+    subtract(triangle->v[1], triangle->v[0], grid->scale, grid->count, &ab);
+    subtract(triangle->v[2], triangle->v[0], grid->scale, grid->count, &ac);
+    cross(&ab, &ac, grid->count, &normal);
     subtract(triangle->v[0], origin, grid->scale, grid->count, &to_a);
     dot(&normal, &grid->direction, grid->count, d);
     dot(&normal, &to_a, grid->count, n);
@@ -297,7 +291,7 @@ static void find_crossing(const struct grid *grid, const float origin[3], const 
 void mlrt_exact_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int sign[3])
 {
     struct grid grid;
-    find_grid(ray->origin, ray->direction, triangle, NULL, 0, &grid);
+    find_grid(ray->origin, ray->direction, triangle, NULL, &grid);
     struct integer_vector vertex[3], moment[3];
     int is_met[3];
     for (int i = 0; i < 3; ++i) {
@@ -317,47 +311,20 @@ void mlrt_exact_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt
 int mlrt_exact_edge_direction(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int i)
 {
     struct grid grid;
-    find_grid(ray->origin, ray->direction, triangle, NULL, 0, &grid);
+    find_grid(ray->origin, ray->direction, triangle, NULL, &grid);
     struct integer_vector edge, product;
     subtract(triangle->v[(i + 1) % 3], triangle->v[i], grid.scale, grid.count, &edge);
     cross(&grid.direction, &edge, grid.count, &product);
     return first_sign(&product, 2 * grid.count);
 }
 
-int mlrt_exact_side(const struct mlrt_triangle *triangle, const float from[3], const float by[3])
+int mlrt_exact_sign_beyond(const float origin[3], const float direction[3], const struct mlrt_triangle *triangle,
+                           float t)
 {
     struct grid grid;
-    struct integer_vector normal, to_point;
-    struct integer height;
-    find_grid(from, by, triangle, by, 3, &grid);
-    find_normal(&grid, triangle, &normal);
-    subtract(from, triangle->v[0], grid.scale, grid.count, &to_point);
-    for (int k = 0; k < 3; ++k) add_value(1, by[k], grid.scale, grid.count, to_point.x[k].limbs);
-    dot(&normal, &to_point, grid.count, &height);
-    return sign_of(&height, 3 * grid.count);
-}
-
-int mlrt_exact_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second)
-{
-    struct grid grid;
-    struct integer_vector normal, to_point;
-    struct integer height;
-    find_grid(first->v[0], first->v[0], first, second->v[0], 9, &grid); /* without a direction of its own */
-    find_normal(&grid, first, &normal);
-    for (int i = 0; i < 3; ++i) {
-        subtract(second->v[i], first->v[0], grid.scale, grid.count, &to_point);
-        dot(&normal, &to_point, grid.count, &height);
-        if (sign_of(&height, 3 * grid.count) != 0) return 0;
-    }
-    return 1;
-}
-
-int mlrt_exact_sign_beyond(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float t)
-{
-    struct grid grid;
-    find_grid(ray->origin, ray->direction, triangle, NULL, 0, &grid);
+    find_grid(origin, direction, triangle, NULL, &grid);
     struct integer d, n;
-    find_crossing(&grid, ray->origin, triangle, &d, &n);
+    find_crossing(&grid, origin, triangle, &d, &n);
     return compare_multiple(&n, t * grid.direction_unit, &d, 3 * grid.count);
 }
 
@@ -365,7 +332,7 @@ int mlrt_exact_order(const struct mlrt_ray_segment *ray, const struct mlrt_trian
                      const struct mlrt_triangle *second)
 {
     struct grid grid;
-    find_grid(ray->origin, ray->direction, first, second->v[0], 9, &grid);
+    find_grid(ray->origin, ray->direction, first, second, &grid);
     struct integer d1, n1, d2, n2;
     find_crossing(&grid, ray->origin, first, &d1, &n1);
     find_crossing(&grid, ray->origin, second, &d2, &n2);
@@ -394,7 +361,7 @@ void mlrt_exact_report(const struct mlrt_ray_segment *ray, const struct mlrt_tri
                        mlrt_hit *hit)
 {
     struct grid grid;
-    find_grid(ray->origin, ray->direction, triangle, NULL, 0, &grid);
+    find_grid(ray->origin, ray->direction, triangle, NULL, &grid);
     const int count = 3 * grid.count;
     struct integer x, d;
     find_crossing(&grid, ray->origin, triangle, &d, &x);

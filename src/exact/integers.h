@@ -15,14 +15,9 @@ void mlrt_exact_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt
 /* The sign of the first component of d x (v_j - v_i) that is not 0, for the edge from vertex i to the next. Else 0. */
 int mlrt_exact_edge_direction(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int i);
 
-/* The sign of (from + by - a) . n. */
-int mlrt_exact_side(const struct mlrt_triangle *triangle, const float from[3], const float by[3]);
-
-/* 1 if all vertices of `second` are in the plane of `first`. */
-int mlrt_exact_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second);
-
-/* The sign of N - t D. */
-int mlrt_exact_sign_beyond(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float t);
+/* The sign of N - t D, for t >= 0 and any direction, 0 too. */
+int mlrt_exact_sign_beyond(const float origin[3], const float direction[3], const struct mlrt_triangle *triangle,
+                           float t);
 
 /* The sign of t(first) - t(second) at the planes of two triangles, neither parallel to the ray. */
 int mlrt_exact_order(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,

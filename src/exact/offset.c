@@ -43,14 +43,10 @@ static int search_along(const struct mlrt_triangle *triangle, const double base[
     return 1;
 }
 
-/* The exact signs of side * normal, one component each: on which side of the plane a vertex lies when it is moved. */
+/* The exact signs of side * normal; 0 for components where the first vertex is at the end of the range of float. */
 static void find_normal_signs(const struct mlrt_triangle *triangle, int side, double direction[3])
 {
-    for (int k = 0; k < 3; ++k) {
-        float probe[3] = {triangle->v[0][0], triangle->v[0][1], triangle->v[0][2]};
-        probe[k] = mlrt_next_down(probe[k]); /* -inf below the range of float: that component counts as 0 */
-        direction[k] = isfinite(probe[k]) ? -side * mlrt_side_of_plane(triangle, probe) : 0;
-    }
+    for (int k = 0; k < 3; ++k) direction[k] = triangle->v[0][k] > -FLT_MAX ? side * mlrt_facing_axis(triangle, k) : 0;
 }
 
 /* side * normal in double, scaled so that its largest component is +-1. Returns 0 if all components round to 0. */

@@ -12,76 +12,51 @@
 #include "exact/determinants.h"
 #include "exact/integers.h"
 
-/* n = (b - a) x (c - a), and the product of the sizes of its factors. */
-struct normal {
-    struct mlrt_vector n;
-    double size;
-};
-
-MLRT_INLINE struct normal normal_of(const struct mlrt_triangle *triangle)
-{
-    const struct mlrt_vector a = mlrt_vector_at(triangle->v[0], 1);
-    const struct mlrt_vector ab = mlrt_subtract(mlrt_vector_at(triangle->v[1], 1), a),
-                             ac = mlrt_subtract(mlrt_vector_at(triangle->v[2], 1), a);
-    return (struct normal){mlrt_cross(ab, ac), mlrt_size_of(ab) * mlrt_size_of(ac)};
-}
-
 /* ---- triangle and plane ------------------------------------------------------------------------------------------ */
-
-static MLRT_NOINLINE int has_area_exactly(const struct mlrt_triangle *triangle)
-{
-    static const float AXES[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    for (int k = 0; k < 3; ++k)
-        if (mlrt_exact_side(triangle, triangle->v[0], AXES[k]) != 0) return 1;
-    return 0;
-}
 
 int mlrt_triangle_has_area(const struct mlrt_triangle *triangle)
 {
-    const struct normal normal = normal_of(triangle);
+    const struct mlrt_operands operands = mlrt_load_operands(triangle->v[0], triangle->v[0], triangle->v[0], 1);
+    const double size = operands.ab_size * operands.ac_size;
     // Components have 4 factors, the size has 7. A size of 0 is exact: two vertices are equal.
-    if (mlrt_size_of(normal.n) > 3 * MLRT_SIGN_ERROR * normal.size)
+    if (mlrt_size_of(mlrt_cross(operands.ab, operands.ac)) > 3 * MLRT_SIGN_ERROR * size)
         return 1; // a component is above MLRT_SIGN_ERROR * size
-    return normal.size > 0 && has_area_exactly(triangle);
+    for (int k = 0; k < 3 && size > 0; ++k)
+        if (mlrt_facing_axis(triangle, k) != 0) return 1;
+    return 0;
 }
 
-/* The sign of v . n; 0 if double cannot tell. `size` is that of v, or those of its summands. */
-static int certain_side(const struct mlrt_triangle *triangle, struct mlrt_vector v, double size)
-{
-    const struct normal normal = normal_of(triangle);
-    return mlrt_certain_sign((struct mlrt_measured){mlrt_dot(v, normal.n), size * normal.size}, MLRT_SIGN_ERROR);
-}
+static const float NOWHERE[3] = {0, 0, 0};
 
-static int certain_side_of_point(const struct mlrt_triangle *triangle, const float point[3])
+/* The sign of (from + by - a) . n, which is -(N - t D) at t = 1 of a ray; 0 if double cannot tell. */
+static int certain_side(const struct mlrt_triangle *triangle, const float from[3], const float by[3])
 {
-    const struct mlrt_vector v = mlrt_subtract(mlrt_vector_at(point, 1), mlrt_vector_at(triangle->v[0], 1));
-    return certain_side(triangle, v, mlrt_size_of(v));
-}
-
-int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3])
-{
-    const int side = certain_side_of_point(triangle, point);
-    return side != 0 ? side : mlrt_exact_side(triangle, point, (const float[3]){0, 0, 0});
+    const struct mlrt_crossing crossing = mlrt_cross_plane(from, by, triangle);
+    return -mlrt_certain_sign(mlrt_measure_beyond(&crossing, 1), MLRT_SIGN_ERROR);
 }
 
 int mlrt_side_of_sum(const struct mlrt_triangle *triangle, const float from[3], const float by[3])
 {
-    const struct mlrt_vector to_from = mlrt_subtract(mlrt_vector_at(from, 1), mlrt_vector_at(triangle->v[0], 1)),
-                             step = mlrt_vector_at(by, 1);
-    const struct mlrt_vector v = {to_from.x + step.x, to_from.y + step.y, to_from.z + step.z};
-    // A component of v has 2 factors, so the determinant has 9, relative to the sizes of the two summands of v.
-    const int side = certain_side(triangle, v, mlrt_size_of(to_from) + mlrt_size_of(step));
-    return side != 0 ? side : mlrt_exact_side(triangle, from, by);
+    const int side = certain_side(triangle, from, by);
+    return side != 0 ? side : -mlrt_exact_sign_beyond(from, by, triangle, 1);
+}
+
+int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3])
+{
+    return mlrt_side_of_sum(triangle, point, NOWHERE);
 }
 
 int mlrt_facing(const struct mlrt_triangle *triangle, const float direction[3])
 {
-    int sign = certain_side(triangle, mlrt_vector_at(direction, 1), mlrt_size_of(mlrt_vector_at(direction, 1)));
-    if (sign != 0) return sign;
     for (uint32_t axis = 0; axis < 3; ++axis) {
         if (direction[axis] == 0 && mlrt_is_across(triangle, axis)) return 0; /* such as a wall under vertical light */
     }
-    return mlrt_exact_side(triangle, triangle->v[0], direction);
+    return mlrt_side_of_sum(triangle, triangle->v[0], direction);
+}
+
+int mlrt_facing_axis(const struct mlrt_triangle *triangle, int axis)
+{
+    return mlrt_facing(triangle, (const float[3]){axis == 0, axis == 1, axis == 2});
 }
 
 /* ---- hit or miss ------------------------------------------------------------------------------------------------- */
@@ -138,7 +113,7 @@ MLRT_INLINE int sign_beyond(const struct mlrt_ray_segment *ray, const struct mlr
     int sign = facing * mlrt_certain_sign(mlrt_measure_beyond(crossing, t), MLRT_SIGN_ERROR);
     if (MLRT_LIKELY(sign != 0) || mlrt_reaches_flat(ray, triangle, t, &sign)) return sign;
     if (counters) ++counters->exact_range_count;
-    return facing * mlrt_exact_sign_beyond(ray, triangle, t);
+    return facing * mlrt_exact_sign_beyond(ray->origin, ray->direction, triangle, t);
 }
 
 int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
@@ -229,6 +204,8 @@ int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triang
     for (uint32_t axis = 0; axis < 3; ++axis)
         if (mlrt_is_across(first, axis) && mlrt_is_across(second, axis)) return first->v[0][axis] == second->v[0][axis];
     for (int i = 0; i < 3; ++i)
-        if (certain_side_of_point(first, second->v[i]) != 0) return 0;
-    return mlrt_exact_share_plane(first, second);
+        if (certain_side(first, second->v[i], NOWHERE) != 0) return 0;
+    for (int i = 0; i < 3; ++i)
+        if (mlrt_side_of_plane(first, second->v[i]) != 0) return 0;
+    return 1;
 }

@@ -69,4 +69,7 @@ int mlrt_side_of_sum(const struct mlrt_triangle *triangle, const float from[3], 
 /* The sign of d . n for a direction d. Allows triangles without area: 0. */
 int mlrt_facing(const struct mlrt_triangle *triangle, const float direction[3]);
 
+/* The same for the direction along an axis: the sign of that component of n. */
+int mlrt_facing_axis(const struct mlrt_triangle *triangle, int axis);
+
 #endif
