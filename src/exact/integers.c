@@ -208,35 +208,29 @@ static double scale_of(const struct extent *extent, int count)
     return scale;
 }
 
-/* sum += factor * value; the factor is -1 or 1. */
-MLRT_INLINE void add_value(int factor, double value, double scale, int count, limb *sum)
-{
-    limb size[LIMB_LIMIT];
-    double rest = fabs(value) * scale;
-    size[count - 1] = (limb)(int64_t)rest;
-    for (int i = count - 1; i-- > 0;) {
-        rest = (rest - (double)size[i + 1]) * LIMB_RANGE;
-        size[i] = (limb)rest;
-    }
-    add_limbs(value < 0 ? -factor : factor, size, count, sum);
-}
-
 static void set_value(double value, double scale, int count, struct integer *result)
 {
-    for (int i = 0; i < count; ++i) result->limbs[i] = 0;
-    add_value(1, value, scale, count, result->limbs);
+    struct integer size;
+    double rest = fabs(value) * scale;
+    for (int i = count; i-- > 0; rest = (rest - (double)size.limbs[i]) * LIMB_RANGE) {
+        size.limbs[i] = (limb)rest;
+        result->limbs[i] = 0;
+    }
+    add_limbs(value < 0 ? -1 : 1, size.limbs, count, result->limbs);
 }
 
 /* to - from */
 static void subtract(const float to[3], const float from[3], double scale, int count, struct integer_vector *difference)
 {
     for (int k = 0; k < 3; ++k) {
+        struct integer start;
         if (count == 1) {
             difference->x[k].limbs[0] = (limb)((int64_t)(to[k] * scale) - (int64_t)(from[k] * scale));
             continue;
         }
         set_value(to[k], scale, count, &difference->x[k]);
-        add_value(-1, from[k], scale, count, difference->x[k].limbs);
+        set_value(from[k], scale, count, &start);
+        add_limbs(-1, start.limbs, count, difference->x[k].limbs);
     }
 }
 
