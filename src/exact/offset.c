@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-#include "base/platform.h"
+#include "exact/determinants.h"
 #include "exact/predicate.h"
 #include "exact/rounding.h"
 
@@ -52,17 +52,10 @@ static void find_normal_signs(const struct mlrt_triangle *triangle, int side, do
 /* side * normal in double, scaled so that its largest component is +-1. Returns 0 if all components round to 0. */
 static int find_normal(const struct mlrt_triangle *triangle, int side, double direction[3])
 {
-    double edge[2][3], largest = 0;
-    for (int k = 0; k < 3; ++k) {
-        edge[0][k] = (double)triangle->v[1][k] - triangle->v[0][k];
-        edge[1][k] = (double)triangle->v[2][k] - triangle->v[0][k];
-    }
-    for (int k = 0; k < 3; ++k) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        direction[k] = side * (edge[0][i] * edge[1][j] - edge[0][j] * edge[1][i]);
-        largest = fmax(largest, fabs(direction[k]));
-    }
-    for (int k = 0; k < 3; ++k) direction[k] /= largest;
+    const struct mlrt_operands operands = mlrt_load_operands(triangle->v[0], triangle->v[0], triangle->v[0], 1);
+    const struct mlrt_vector n = mlrt_cross(operands.ab, operands.ac);
+    const double largest = fmax(fabs(n.x), fmax(fabs(n.y), fabs(n.z)));
+    direction[0] = side * n.x / largest, direction[1] = side * n.y / largest, direction[2] = side * n.z / largest;
     return largest > 0;
 }
 

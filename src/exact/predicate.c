@@ -12,6 +12,13 @@
 #include "exact/determinants.h"
 #include "exact/integers.h"
 
+MLRT_NOINLINE struct mlrt_crossing mlrt_cross_plane(const float origin[3], const float direction[3],
+                                                    const struct mlrt_triangle *triangle)
+{
+    const struct mlrt_operands operands = mlrt_load_operands(origin, direction, triangle->v[0], 1);
+    return mlrt_measure_crossing(&operands);
+}
+
 /* ---- triangle and plane ------------------------------------------------------------------------------------------ */
 
 int mlrt_triangle_has_area(const struct mlrt_triangle *triangle)

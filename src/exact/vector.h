@@ -23,6 +23,16 @@ MLRT_INLINE struct mlrt_vector mlrt_subtract(struct mlrt_vector v, struct mlrt_v
     return (struct mlrt_vector){v.x - w.x, v.y - w.y, v.z - w.z};
 }
 
+MLRT_INLINE struct mlrt_vector mlrt_add(struct mlrt_vector v, struct mlrt_vector w)
+{
+    return (struct mlrt_vector){v.x + w.x, v.y + w.y, v.z + w.z};
+}
+
+MLRT_INLINE struct mlrt_vector mlrt_scale(struct mlrt_vector v, double factor)
+{
+    return (struct mlrt_vector){v.x * factor, v.y * factor, v.z * factor};
+}
+
 MLRT_INLINE struct mlrt_vector mlrt_cross(struct mlrt_vector v, struct mlrt_vector w)
 {
     return (struct mlrt_vector){v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x};
