@@ -97,8 +97,10 @@ MLRT_INLINE uint32_t make_shadow_vector(const struct shadow_terms *terms, const 
 /* Sets the terms of `lanes`, of DW, which hit one triangle. */
 MLRT_INLINE void take_surface(const struct mlrt_surface *surface, uint32_t lanes, struct shadow_terms *terms)
 {
+    vd m[3];
+    spread_vector(surface->m, m);
     MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) terms->m[k] = d_select(lanes, d_set1(surface->m[k]), terms->m[k]);
+    for (int k = 0; k < 3; ++k) terms->m[k] = d_select(lanes, m[k], terms->m[k]);
     terms->n = d_select(lanes, d_set1(surface->n), terms->n);
     terms->plane_size = d_select(lanes, d_set1(MLRT_SHADOW_PLANE * surface->reach), terms->plane_size);
     terms->height = d_select(lanes, d_set1(surface->height), terms->height);

@@ -7,55 +7,44 @@
 
 #include <math.h>
 
+#include "exact/determinants.h"
 #include "exact/nearest.h"
 #include "exact/offset.h"
 #include "exact/quotients.h"
 #include "job/structure.h"
 #include "job/write_arrays.h"
 
-static double dot(const double a[3], const double b[3])
+static double greatest_of(struct mlrt_vector a)
 {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static double size_of(const double a[3])
-{
-    return fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
-}
-
-static double greatest_of(const double a[3])
-{
-    return fmax(fmax(fabs(a[0]), fabs(a[1])), fabs(a[2]));
+    return fmax(fmax(fabs(a.x), fabs(a.y)), fabs(a.z));
 }
 
 void mlrt_find_surface(const struct mlrt_source *light, const struct mlrt_triangle *triangle, const float origin[3],
                        struct mlrt_surface *surface)
 {
-    double ab[3], ac[3], p[3], to_light[3], *m = surface->m;
-    for (int k = 0; k < 3; ++k) {
-        const double a = triangle->v[0][k], l = light->light[k];
-        ab[k] = triangle->v[1][k] - a;
-        ac[k] = triangle->v[2][k] - a;
-        p[k] = a - origin[k];
-        to_light[k] = light->kind == MLRT_SOURCE_POINT_LIGHT ? a - l : -l;
-    }
-    for (int k = 0; k < 3; ++k) m[k] = ab[(k + 1) % 3] * ac[(k + 2) % 3] - ab[(k + 2) % 3] * ac[(k + 1) % 3];
-    const double greatest = greatest_of(m), scale = 1 / greatest;
-    surface->is_round = greatest > MLRT_SHADOW_NORMAL * (size_of(ab) * size_of(ac));
-    for (int k = 0; k < 3; ++k) m[k] = m[k] * scale;
-    surface->n = dot(p, m);
-    surface->reach = greatest_of(p);
-    surface->height = dot(to_light, m);
-    surface->height_size = size_of(to_light);
+    const struct mlrt_operands of = mlrt_load_operands(origin, light->light, triangle->v[0], 1);
+    const struct mlrt_vector n = mlrt_cross(of.ab, of.ac), a = mlrt_vector_at(triangle->v[0], 1), zero = {0, 0, 0};
+    const struct mlrt_vector to_light =
+        mlrt_subtract(light->kind == MLRT_SOURCE_POINT_LIGHT ? a : zero, mlrt_vector_at(light->light, 1));
+    const double greatest = greatest_of(n), scale = 1 / greatest;
+    surface->is_round = greatest > MLRT_SHADOW_NORMAL * (of.ab_size * of.ac_size);
+    surface->m = mlrt_scale(n, scale);
+    surface->n = mlrt_dot(of.to_a, surface->m);
+    surface->reach = greatest_of(of.to_a);
+    surface->height = mlrt_dot(to_light, surface->m);
+    surface->height_size = mlrt_size_of(to_light);
 }
 
-void mlrt_keep_surface(const struct mlrt_job *light, uint32_t number, const float eye[3],
-                       struct mlrt_kept_surface *kept)
+const struct mlrt_surface *mlrt_look_up_surface(const struct mlrt_job *light, uint32_t number, const float eye[3],
+                                                struct mlrt_kept_surface table[MLRT_KEPT_SURFACES])
 {
+    struct mlrt_kept_surface *kept = &table[number % MLRT_KEPT_SURFACES];
+    if (kept->number == number && kept->light == light) return &kept->surface;
     const struct mlrt_triangle triangle = mlrt_triangle_at(&light->tree->by_number, number);
     mlrt_find_surface(&light->source, &triangle, eye, &kept->surface);
     kept->light = light;
     kept->number = number;
+    return &kept->surface;
 }
 
 /*
@@ -66,20 +55,18 @@ static int find_end(const struct mlrt_source *light, const struct mlrt_triangle 
                     const struct mlrt_ray_segment *ray, int *faces, float end[3])
 {
     struct mlrt_surface surface;
-    double d[3], f[3], x[3];
     mlrt_find_surface(light, triangle, ray->origin, &surface);
-    for (int k = 0; k < 3; ++k) d[k] = ray->direction[k];
-    const double steepness = dot(d, surface.m), t = surface.n / steepness;
-    for (int k = 0; k < 3; ++k) {
-        const double o = ray->origin[k];
-        f[k] = t * d[k];
-        x[k] = (light->kind == MLRT_SOURCE_POINT_LIGHT ? o - light->light[k] : o) + f[k];
-    }
+    const struct mlrt_vector o = mlrt_vector_at(ray->origin, 1), d = mlrt_vector_at(ray->direction, 1);
+    const double steepness = mlrt_dot(d, surface.m), t = surface.n / steepness;
+    const struct mlrt_vector from =
+        light->kind == MLRT_SOURCE_POINT_LIGHT ? mlrt_subtract(o, mlrt_vector_at(light->light, 1)) : o;
+    const struct mlrt_vector f = mlrt_scale(d, t), x = mlrt_add(from, f);
     const double size = fmax(fmax(greatest_of(x), greatest_of(f)), MLRT_SHADOW_PLANE * surface.reach);
     const double step = steepness > 0 ? -MLRT_SHADOW_STEP * size : MLRT_SHADOW_STEP * size;
-    for (int k = 0; k < 3; ++k) end[k] = (float)(x[k] + step * surface.m[k]);
+    const struct mlrt_vector q = mlrt_add(x, mlrt_scale(surface.m, step));
+    end[0] = (float)q.x, end[1] = (float)q.y, end[2] = (float)q.z;
     *faces = (surface.height > 0) == (steepness > 0);
-    return mlrt_is_certain_surface(&surface) && fabs(steepness) > MLRT_SHADOW_GRAZING * size_of(d) &&
+    return mlrt_is_certain_surface(&surface) && fabs(steepness) > MLRT_SHADOW_GRAZING * mlrt_size_of(d) &&
            size > MLRT_SHADOW_LEAST && size < MLRT_SHADOW_GREATEST;
 }
 
@@ -112,18 +99,22 @@ int mlrt_make_shadow_ray(const struct mlrt_source *light, const struct mlrt_tria
 uint32_t mlrt_make_shadow_lane(const struct mlrt_job *job, const struct mlrt_packet *seen, uint32_t lane,
                                float (*ends)[MLRT_PACKET_RAYS])
 {
-    const int is_point = job->source.kind == MLRT_SOURCE_POINT_LIGHT;
-    struct mlrt_ray_segment ray, shadow;
+    struct mlrt_ray_segment ray;
+    float end[3];
     int faces;
     mlrt_get_segment(seen, lane, &ray);
     const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, seen->nearest.triangle[lane]);
-    const int is_ray = mlrt_make_shadow_ray(&job->source, &triangle, &ray, &faces, &shadow);
-    for (int k = 0; k < 3; ++k) ends[k][lane] = !is_ray ? 0 : is_point ? shadow.direction[k] : shadow.origin[k];
+    find_end_exactly(&job->source, &triangle, &ray, &faces, end);
+    for (int k = 0; k < 3; ++k) ends[k][lane] = faces ? end[k] : 0;
     return (uint32_t)faces << lane;
 }
 
-int mlrt_is_shaded(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t number,
-                   mlrt_counters *counters)
+/*
+ * Is the hit of a ray on triangle `number` in the shadow of the light of `job`: behind the surface, or with a triangle
+ * between?
+ */
+static int is_shaded(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t number,
+                     mlrt_counters *counters)
 {
     struct mlrt_ray_segment shadow;
     int faces;
@@ -143,8 +134,7 @@ void mlrt_find_shadows(const struct mlrt_job *job, const struct mlrt_packet *pac
         if (!(lanes >> lane & 1) || packet->nearest.triangle[lane] == MLRT_NONE) continue;
         mlrt_get_segment(packet, lane, &ray);
         for (uint32_t i = 0; i < job->light_count; ++i) {
-            shadows[lane] |=
-                (uint8_t)(mlrt_is_shaded(&job->lights[i], &ray, packet->nearest.triangle[lane], counters) << i);
+            shadows[lane] |= (uint8_t)(is_shaded(&job->lights[i], &ray, packet->nearest.triangle[lane], counters) << i);
         }
     }
 }

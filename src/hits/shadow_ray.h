@@ -39,6 +39,7 @@
 
 #include <math.h>
 
+#include "exact/vector.h"
 #include "job/job.h"
 
 /* The constants of the steps and conditions above. */
@@ -52,7 +53,7 @@
 
 /* The terms above that depend on the triangle, the origin of the ray and the light. */
 struct mlrt_surface {
-    double m[3];
+    struct mlrt_vector m;
     double n;
     double reach;       /* greatest |p_k| */
     double height;      /* H */
@@ -76,19 +77,9 @@ struct mlrt_kept_surface {
 /* Triangle `number` has the entry number % MLRT_KEPT_SURFACES. */
 #define MLRT_KEPT_SURFACES 64
 
-/* Finds the terms of a triangle for the light of a job, and keeps them. */
-void mlrt_keep_surface(const struct mlrt_job *light, uint32_t number, const float eye[3],
-                       struct mlrt_kept_surface *kept);
-
 /* Returns the terms of a triangle for the light of a job, from the table if they are there. */
-static inline const struct mlrt_surface *mlrt_look_up_surface(const struct mlrt_job *light, uint32_t number,
-                                                              const float eye[3],
-                                                              struct mlrt_kept_surface table[MLRT_KEPT_SURFACES])
-{
-    struct mlrt_kept_surface *kept = &table[number % MLRT_KEPT_SURFACES];
-    if (kept->number != number || kept->light != light) mlrt_keep_surface(light, number, eye, kept);
-    return &kept->surface;
-}
+const struct mlrt_surface *mlrt_look_up_surface(const struct mlrt_job *light, uint32_t number, const float eye[3],
+                                                struct mlrt_kept_surface table[MLRT_KEPT_SURFACES]);
 
 /* Do the conditions on n and H hold? */
 static inline int mlrt_is_certain_surface(const struct mlrt_surface *surface)
@@ -104,20 +95,16 @@ int mlrt_make_shadow_ray(const struct mlrt_source *light, const struct mlrt_tria
                          const struct mlrt_ray_segment *ray, int *faces, struct mlrt_ray_segment *shadow);
 
 /*
- * Likewise for a lane of a packet. `ends` receives the direction from a point light, or the origin of the ray to a
+ * Likewise for a lane of a packet for which the conditions above do not hold. `ends` receives the direction from a point light, or the origin of the ray to a
  * directional one; a ray that can hit nothing gets zeros. Returns the lane's bit if the light is on the ray's side.
  */
 uint32_t mlrt_make_shadow_lane(const struct mlrt_job *job, const struct mlrt_packet *seen, uint32_t lane,
                                float (*ends)[MLRT_PACKET_RAYS]);
 
 /*
- * Is the hit of a ray on triangle `number` in the shadow of the light of `job`: behind the surface, or with a triangle
- * between? `counters` may be NULL.
+ * Finds the lights that do not reach the hits of a packet's lanes, one ray at a time. Bit k is light k of the job.
+ * `counters` may be NULL.
  */
-int mlrt_is_shaded(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t number,
-                   mlrt_counters *counters);
-
-/* Finds the lights that do not reach the hits of a packet's lanes, one ray at a time. Bit k is light k of the job. */
 void mlrt_find_shadows(const struct mlrt_job *job, const struct mlrt_packet *packet, uint32_t lanes,
                        uint8_t shadows[MLRT_PACKET_RAYS], mlrt_counters *counters);
 

@@ -58,7 +58,8 @@ static enum side find_plane(const struct mlrt_source *light, const struct mlrt_t
         return UNKNOWN;
     }
     if ((n > 0) != (surface.height > 0)) return DARK;
-    for (int k = 0; k < 3; ++k) planes->m[k][place] = (float)(n > 0 ? surface.m[k] : -surface.m[k]);
+    const struct mlrt_vector m = mlrt_scale(surface.m, n > 0 ? 1 : -1);
+    planes->m[0][place] = (float)m.x, planes->m[1][place] = (float)m.y, planes->m[2][place] = (float)m.z;
     planes->n[place] = (float)fabs(n);
     planes->reach[place] = (float)(surface.reach * (1 + 0x1p-22));
     return FACING;
