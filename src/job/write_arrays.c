@@ -11,6 +11,7 @@
 
 #include "rays/lone_ray.h"
 #include "simd/quad.h"
+#include "simd/sixteen.h"
 #include "scene/masks.h"
 
 size_t mlrt_channel_size(enum mlrt_channel channel)
@@ -405,22 +406,17 @@ MLRT_INLINE void fill_quads(uint32_t value, uint32_t quads, uint32_t height, siz
         for (uint32_t i = 0; i < quads; ++i) f4_store_any(row + 16 * (size_t)i, quad);
 }
 
-/* Writes the same words to all structs of a rectangle. */
-static void fill_structs(f4 words, uint32_t width, uint32_t height, const struct mlrt_sink_group *group,
-                         unsigned char *row)
+/* Writes the same values, one for each channel of 4 bytes, to the channels of a group, block by block. */
+static MLRT_NOINLINE void fill_blocks(const uint32_t values[MLRT_CHANNEL_OCCLUDED], const struct mlrt_rectangle *area,
+                                      const struct mlrt_sink *sink, const struct mlrt_sink_group *group)
 {
-    uint32_t first;
-    memcpy(&first, &words, sizeof first);
-    for (; height; --height, row += group->image.row_stride) {
-        unsigned char *at = row;
-        for (uint32_t i = 0; i < width; ++i, at += group->image.stride) {
-            if (group->count == 4) {
-                f4_store_any(at, words);
-            } else if (group->count == 2) {
-                f4_store_low(at, words);
-            } else {
-                memcpy(at, &first, sizeof first);
-            }
+    MLRT_ALIGNED(64) uint32_t words[MLRT_CHANNEL_OCCLUDED][MLRT_PACKET_RAYS]; /* a struct mlrt_packet_values */
+    const struct mlrt_packet_values *packet = (const struct mlrt_packet_values *)(const void *)words;
+    for (uint32_t i = 0; i < group->count; ++i) mlrt_fill_words(words[group->channel[i]], values[group->channel[i]]);
+    for (uint32_t j = 0; j < area->height; j += 4) {
+        for (uint32_t i = 0; i < area->width; i += 4) {
+            const struct mlrt_rectangle part = mlrt_cut_piece(area, i, j, 4);
+            mlrt_write_group(packet, mlrt_block_lanes(part.width, part.height), &part, sink, group);
         }
     }
 }
@@ -438,9 +434,7 @@ static void fill_channels(const uint32_t values[MLRT_CHANNEL_OCCLUDED], const st
         } else if (MLRT_LIKELY(group->image.stride == 4 && width == 4)) { /* packets */
             fill_quads(values[group->channel[0]], 1, height, group->image.row_stride, row);
         } else {
-            uint32_t words[4];
-            for (int i = 0; i < 4; ++i) words[i] = values[group->channel[i]];
-            fill_structs(f4_load_any(words), width, height, group, row);
+            fill_blocks(values, area, sink, group);
         }
     }
 }
