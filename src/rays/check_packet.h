@@ -69,20 +69,25 @@ MLRT_INLINE void take_limits(vf t_min, vf t_max, int v, struct mlrt_packet *pack
     i_store(packet->nearest.triangle + v, i_set1(MLRT_NONE));
 }
 
-/*
- * Sets `active` and `single` by rule R1 (mlrt_make_segment) and by which rays are float-safe (packet.h). `lanes` are
- * those that exist.
- */
-MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
+/* Sets `active` and `single` of `lanes` by rule R1 (mlrt_make_segment) and by which rays are float-safe (packet.h). */
+MLRT_INLINE void check_vectors(uint32_t lanes, struct mlrt_packet *packet)
 {
     struct checked_lanes origins = {0xFFFF, 0xFFFF, 0xFFFF}, directions; /* an apex is finite: source.c, camera.c */
-    uint32_t is_interval = 0;
     if (!packet->has.apex) {
         check_lanes(packet->origin, &origins);
     } else if (MLRT_UNLIKELY(!mlrt_are_float_safe(packet->apex))) {
         origins.safe = 0;
     }
     check_lanes(packet->direction, &directions);
+    const uint32_t valid = lanes & origins.finite & directions.finite & directions.nonzero;
+    packet->active = valid & origins.safe & directions.safe;
+    packet->single = valid & ~packet->active;
+}
+
+/* Checks vectors and limits of `lanes`, those that exist. */
+MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
+{
+    uint32_t is_interval = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         for (int k = 0; k < 3; ++k) { /* -0 becomes 0 */
             v_store(packet->direction[k] + v, v_add(v_load(packet->direction[k] + v), v_set1(0)));
@@ -92,9 +97,7 @@ MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
         take_limits(t_min, t_max, v, packet);
         is_interval |= m_bits(v_lt(t_min, t_max)) << v;
     }
-    const uint32_t valid = lanes & is_interval & origins.finite & directions.finite & directions.nonzero;
-    packet->active = valid & origins.safe & directions.safe;
-    packet->single = valid & ~packet->active;
+    check_vectors(lanes & is_interval, packet);
 }
 
 /* The mesh that was looked up last, and its triangles; NO_MESH before the first. */

@@ -23,7 +23,6 @@ static void get_camera_packet(const mlrt_camera *view, uint32_t x, uint32_t y, u
     packet->has.apex = !is_parallel;
     packet->has.skip = packet->has.masks = 0;
     packet->has.limits = view->t_min > 0;
-    struct checked_lanes checked;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf xs = v_add(v_add(x0, v_load(mlrt_lane_x + v)), v_set1(view->sample_x));
         const vf ys = v_add(v_add(y0, v_load(mlrt_lane_y + v)), v_set1(view->sample_y));
@@ -36,11 +35,7 @@ static void get_camera_packet(const mlrt_camera *view, uint32_t x, uint32_t y, u
         }
         take_limits(v_set1(view->t_min), v_set1(view->t_max), v, packet);
     }
-    if (is_parallel) return;
-    check_lanes(packet->direction, &checked);
-    const uint32_t valid = view->t_min < view->t_max ? lanes & checked.finite & checked.nonzero : 0;
-    packet->active = mlrt_are_float_safe(view->eye) ? valid & checked.safe : 0;
-    packet->single = valid & ~packet->active;
+    if (!is_parallel) check_vectors(view->t_min < view->t_max ? lanes : 0, packet);
 }
 
 /*
