@@ -100,38 +100,4 @@ MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
     check_vectors(lanes & is_interval, packet);
 }
 
-/* The mesh that was looked up last, and its triangles; NO_MESH before the first. */
-struct known_mesh {
-    uint32_t id;
-    struct mlrt_mesh_range range;
-};
-
-#define NO_MESH ((struct known_mesh){MLRT_NONE, {0, 0}})
-
-/* Makes *known the mesh with this id. */
-MLRT_INLINE void find_mesh(const struct mlrt_tree *tree, uint32_t id, struct known_mesh *known)
-{
-    if (known->id != id) *known = (struct known_mesh){id, mlrt_find_mesh(tree, id)};
-}
-
-/*
- * Turns the pairs skip_mesh and skip of a packet into triangle numbers in skip, mesh by mesh: neighbours mostly skip
- * triangles of one mesh, or none.
- */
-static void number_skips(const struct mlrt_tree *tree, struct known_mesh *known, struct mlrt_packet *packet)
-{
-    for (uint32_t left = 0xFFFF; left;) {
-        find_mesh(tree, packet->skip_mesh[mlrt_lowest_bit(left)], known);
-        const vi none = i_set1(MLRT_NONE), count = i_set1(known->range.count),
-                 minus_first = i_set1(0u - known->range.first);
-        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            const vi triangle = i_load(packet->skip + v);
-            const vm same = m_and(m_from_bits(left >> v), i_eq(i_load(packet->skip_mesh + v), i_set1(known->id)));
-            const vi number = i_select(i_lt(triangle, count), i_sub(triangle, minus_first), none);
-            i_store(packet->skip + v, i_select(same, number, triangle));
-            left &= ~(m_bits(same) << v);
-        }
-    }
-}
-
 #endif

@@ -49,9 +49,7 @@ static void fetch_block(const struct mlrt_source *source, const struct mlrt_rect
     if (source->kind == MLRT_SOURCE_CAMERA) {
         get_camera_packet(&source->view, block->x, block->y, lanes, packet);
     } else {
-        struct known_mesh known = NO_MESH;
         mlrt_fetch_packet(source, block->x, block->y, lanes, packet);
-        if (packet->has.skip) number_skips(source->tree, &known, packet);
     }
 }
 

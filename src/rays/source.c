@@ -179,10 +179,9 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
 {
     mlrt_begin_packet(source, packet);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const uint32_t i = ray_of_lane(source, x, y, lanes, lane);
         struct mlrt_lone_ray ray;
         float room[3];
-        mlrt_read_vectors(source, i, room, &ray);
+        mlrt_read_ray(source, ray_of_lane(source, x, y, lanes, lane), room, &ray);
         for (int k = 0; k < 3; ++k) {
             packet->origin[k][lane] = ray.given_origin[k];
             packet->direction[k][lane] = ray.given_direction[k];
@@ -190,10 +189,7 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
         packet->t_min[lane] = ray.t_min;
         packet->t_max[lane] = ray.t_max;
         if (packet->has.masks) packet->mask[lane] = ray.mask;
-        if (!packet->has.skip) continue;
-        const float *pair = mlrt_element(&source->arrays.skip, mlrt_element_of_ray(i, source->arrays.rays_per_origin));
-        memcpy(&packet->skip_mesh[lane], pair, 4);
-        memcpy(&packet->skip[lane], pair + 1, 4);
+        if (packet->has.skip) packet->skip[lane] = ray.skip;
     }
 }
 

@@ -111,9 +111,11 @@ MLRT_INLINE uint32_t mlrt_mask_of_ray(const struct mlrt_source *source, uint32_t
     return mask ? mask : MLRT_MASK_ALL;
 }
 
-/* Reads ray i of arrays, as mlrt_read_ray does, but for the triangle that it skips. */
-MLRT_INLINE void mlrt_read_vectors(const struct mlrt_source *source, uint32_t i, float room[3],
-                                   struct mlrt_lone_ray *ray)
+/*
+ * Reads ray i of arrays, as it was given: vectors, limits, mask and skip of *ray. `room` holds a vector that is in no
+ * array.
+ */
+MLRT_INLINE void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, float room[3], struct mlrt_lone_ray *ray)
 {
     const uint32_t origin = mlrt_element_of_ray(i, source->arrays.rays_per_origin);
     const float *point = mlrt_element(&source->arrays.points, origin);
@@ -132,19 +134,9 @@ MLRT_INLINE void mlrt_read_vectors(const struct mlrt_source *source, uint32_t i,
         ray->given_direction = room;
         ray->t_max = 1;
     }
-}
-
-/*
- * Reads ray i of arrays, as it was given: vectors, limits, mask and skip of *ray. `room` holds a vector that is in no
- * array.
- */
-MLRT_INLINE void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, float room[3], struct mlrt_lone_ray *ray)
-{
-    mlrt_read_vectors(source, i, room, ray);
     ray->skip = MLRT_NONE;
     if (!source->arrays.skip.data) return;
-    const uint32_t *pair = (const uint32_t *)(const void *)mlrt_element(
-        &source->arrays.skip, mlrt_element_of_ray(i, source->arrays.rays_per_origin));
+    const uint32_t *pair = (const uint32_t *)(const void *)mlrt_element(&source->arrays.skip, origin);
     if (pair[0] != MLRT_NONE) ray->skip = mlrt_triangle_number(source->tree, pair[0], pair[1]);
 }
 
@@ -174,7 +166,7 @@ void mlrt_begin_packet(const struct mlrt_source *source, struct mlrt_packet *pac
 
 /*
  * Reads the numbers of a block of at most 4x4 rays of arrays at (x, y), as they are given, one ray after the other:
- * direction, origin, t_min, t_max, mask, skip_mesh and skip of a packet. `lanes` are those that exist, the first among
+ * direction, origin, t_min, t_max, mask and skip of a packet. `lanes` are those that exist, the first among
  * them, or none; other lanes are not specified. Begins the packet, and checks nothing: check_packet.h does.
  */
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
