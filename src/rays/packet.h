@@ -47,12 +47,11 @@ struct mlrt_packet {
     MLRT_ALIGNED(64) float t_min[MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float t_max[MLRT_PACKET_RAYS];
     struct mlrt_packet_hits nearest;
-    MLRT_ALIGNED(64) uint32_t skip[MLRT_PACKET_RAYS];      /* triangle number, MLRT_NONE = none; not set if !has.skip */
-    MLRT_ALIGNED(64) uint32_t skip_mesh[MLRT_PACKET_RAYS]; /* mesh id, while `skip` is a position in that mesh */
-    MLRT_ALIGNED(64) uint32_t mask[MLRT_PACKET_RAYS];      /* scene/masks.h; not set if !has.masks */
-    float apex[3];                                         /* the common origin, if has.apex */
-    uint32_t active;                                       /* bit per lane */
-    uint32_t single;                                       /* bit per lane */
+    MLRT_ALIGNED(64) uint32_t skip[MLRT_PACKET_RAYS]; /* triangle number, MLRT_NONE = none; not set if !has.skip */
+    MLRT_ALIGNED(64) uint32_t mask[MLRT_PACKET_RAYS]; /* scene/masks.h; not set if !has.masks */
+    float apex[3];                                    /* the common origin, if has.apex */
+    uint32_t active;                                  /* bit per lane */
+    uint32_t single;                                  /* bit per lane */
     struct mlrt_packet_traits has;
 };
 

@@ -114,37 +114,32 @@ MLRT_INLINE void find_mesh(const struct mlrt_tree *tree, uint32_t id, struct kno
 }
 
 /*
- * Turns the pairs skip_mesh and skip of a packet into triangle numbers in skip, mesh by mesh: neighbours mostly skip
- * triangles of one mesh, or none.
+ * Reads the triangles that the rays of a block skip: pairs of a mesh and a triangle of it, which become numbers mesh by
+ * mesh, since neighbours mostly skip triangles of one mesh, or none.
  */
-static void number_skips(const struct mlrt_tree *tree, struct known_mesh *known, struct mlrt_packet *packet)
+static void read_skips(const struct mlrt_array_layout *skip, size_t element, const struct mlrt_tree *tree,
+                       struct known_mesh *known, struct mlrt_packet *packet)
 {
+    MLRT_ALIGNED(64) uint32_t mesh[MLRT_PACKET_RAYS];
+    const unsigned char *first = skip->data + element * skip->stride;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        vi meshes, triangles;
+        i_pairs_at(first + offset_of_lane(skip, v), skip->step, skip->row_step, &meshes, &triangles);
+        i_store(mesh + v, meshes);
+        i_store(packet->skip + v, triangles);
+    }
     for (uint32_t left = 0xFFFF; left;) {
-        find_mesh(tree, packet->skip_mesh[mlrt_lowest_bit(left)], known);
+        find_mesh(tree, mesh[mlrt_lowest_bit(left)], known);
         const vi none = i_set1(MLRT_NONE), count = i_set1(known->range.count),
                  minus_first = i_set1(0u - known->range.first);
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             const vi triangle = i_load(packet->skip + v);
-            const vm same = m_and(m_from_bits(left >> v), i_eq(i_load(packet->skip_mesh + v), i_set1(known->id)));
+            const vm same = m_and(m_from_bits(left >> v), i_eq(i_load(mesh + v), i_set1(known->id)));
             const vi number = i_select(i_lt(triangle, count), i_sub(triangle, minus_first), none);
             i_store(packet->skip + v, i_select(same, number, triangle));
             left &= ~(m_bits(same) << v);
         }
     }
-}
-
-/* Reads the triangles that the rays of a block skip. */
-static void read_skips(const struct mlrt_array_layout *skip, size_t element, const struct mlrt_tree *tree,
-                       struct known_mesh *known, struct mlrt_packet *packet)
-{
-    const unsigned char *first = skip->data + element * skip->stride;
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        vi meshes, triangles;
-        i_pairs_at(first + offset_of_lane(skip, v), skip->step, skip->row_step, &meshes, &triangles);
-        i_store(packet->skip_mesh + v, meshes);
-        i_store(packet->skip + v, triangles);
-    }
-    number_skips(tree, known, packet);
 }
 
 static void read_whole_block(const struct mlrt_array_reader *reader, uint32_t x, uint32_t y, struct known_mesh *known,
