@@ -22,7 +22,7 @@ static double greatest_of(struct mlrt_vector a)
 void mlrt_find_surface(const struct mlrt_source *light, const struct mlrt_triangle *triangle, const float origin[3],
                        struct mlrt_surface *surface)
 {
-    const struct mlrt_operands of = mlrt_load_operands(origin, light->light, triangle->v[0], 1);
+    const struct mlrt_operands of = mlrt_load_operands(origin, triangle->v[0], triangle->v[0], 1); /* no direction */
     const struct mlrt_vector n = mlrt_cross(of.ab, of.ac), a = mlrt_vector_at(triangle->v[0], 1), zero = {0, 0, 0};
     const struct mlrt_vector to_light =
         mlrt_subtract(light->kind == MLRT_SOURCE_POINT_LIGHT ? a : zero, mlrt_vector_at(light->light, 1));

@@ -95,8 +95,9 @@ int mlrt_make_shadow_ray(const struct mlrt_source *light, const struct mlrt_tria
                          const struct mlrt_ray_segment *ray, int *faces, struct mlrt_ray_segment *shadow);
 
 /*
- * Likewise for a lane of a packet for which the conditions above do not hold. `ends` receives the direction from a point light, or the origin of the ray to a
- * directional one; a ray that can hit nothing gets zeros. Returns the lane's bit if the light is on the ray's side.
+ * Likewise for a lane of a packet for which the conditions above do not hold. `ends` receives the direction from a point
+ * light, or the origin of the ray to a directional one; without a ray, zeros. Returns the lane's bit if the light is on
+ * the ray's side.
  */
 uint32_t mlrt_make_shadow_lane(const struct mlrt_job *job, const struct mlrt_packet *seen, uint32_t lane,
                                float (*ends)[MLRT_PACKET_RAYS]);
