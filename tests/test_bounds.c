@@ -996,16 +996,13 @@ static double attack_camera_slope(const float *input)
  */
 static double attack_camera_cell(const float *input)
 {
-    static const struct mlrt_tree tree = {.bvh.unit = 1};
-    static struct mlrt_job job = {.tree = &tree}; /* all 0 but for the view */
     static struct mlrt_bundle bundle;
     mlrt_camera view;
     uint32_t x, y;
     float p[3];
     load_view(input, &view, &x, &y);
-    job.source.view = view;
     const struct mlrt_rectangle area = {x, y, 4, 4};
-    if (!gather_camera_cells(&job, &area, 4, &bundle)) return -1;
+    if (!mlrt_gather_camera_cells(&view, 1, &area, 4, &bundle)) return -1;
     const struct mlrt_hull_row *slopes = bundle.hulls.term;
     const int a = bundle.waist.main_axis, side = a == 0 ? 0 : 1, j = 1 - a; /* over axes 0 and 1 */
     if (a == 2) return -1;
@@ -1596,7 +1593,7 @@ static void stacks_hold_what_waits(void **state)
         bundle.hulls.term[side].lo[0] = -0.01f;
         bundle.hulls.term[side].hi[0] = 0.01f;
     }
-    begin_cells(1, &bundle);
+    mlrt_begin_cells(1, &bundle);
     static struct mlrt_bundles bundles;
     bundles.caches[0].leaves = leaves;
     bundles.caches[0].bits = 1;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pictures for the cells of the tile method (camera_cells.h), which decide about pixels whose rays are never made:
+ * Pictures for the cells of the tile method (camera_cells.c), which decide about pixels whose rays are never made:
  * hostile cameras before few triangles, of which one often covers many pixels, and beside it nearly covers them. Every
  * pixel is compared with the reference, bit for bit, for each instruction set.
  *

@@ -16,7 +16,7 @@
 
 /*
  * Bounds of slopes of cells without rays are moved apart by this as well, since a slope may be denormal: see
- * gather_camera_cells (trace/camera_cells.h).
+ * trace/corner_slopes.h.
  */
 #define SLOPE_FLOOR 0x1p-100f
 

@@ -9,14 +9,13 @@
  * are slopes, and the depth is where the ray to a light ends. The waist of parallel rays is in the middle of the scene:
  * the numbers are places of the origin, and the depth is where the ray begins.
  *
- * Slopes and places are computed as in ray_hulls.h, so L2, L3 and L10 bound them. As in camera_cells.h, SLOPE_FLOOR is
+ * Slopes and places are computed as in ray_hulls.h, so L2, L3 and L10 bound them. As in corner_slopes.h, SLOPE_FLOOR is
  * added to the slopes of rays from a point, which may be denormal.
  */
 #ifndef MLRT_TRACE_ARRAY_CELLS_H
 #define MLRT_TRACE_ARRAY_CELLS_H
 
 #include "rays/read_arrays.h"
-#include "trace/camera_cells.h"
 #include "trace/cell_ends.h"
 #include "trace/ray_hulls.h"
 
@@ -173,7 +172,7 @@ static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rect
         source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT || (!is_light && !cells->reader.directions.step);
     if (!is_light && cells->reader.directions.step && cells->reader.points.step) return 0;
     bundle->scene.unit = cells->unit = job->tree->bvh.unit;
-    begin_cells(0, bundle);
+    mlrt_begin_cells(0, bundle);
     bundle->arrays = cells;
     if (cells->are_parallel && !mlrt_begin_parallel_cells(&job->tree->bvh, cells, &bundle->waist)) return 0;
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {

@@ -9,6 +9,7 @@
 
 #include "exact/triangle.h"
 #include "rays/slope_limits.h"
+#include "simd/sixteen.h"
 
 int mlrt_set_apex(const float point[3], float unit, struct mlrt_waist *waist)
 {
@@ -20,80 +21,19 @@ int mlrt_set_apex(const float point[3], float unit, struct mlrt_waist *waist)
     return is_exact;
 }
 
-/* The greater of two magnitudes. */
-static float larger_size(float a, float b)
+void mlrt_begin_cells(uint32_t there, struct mlrt_bundle *bundle)
 {
-    return fabsf(a) > fabsf(b) ? fabsf(a) : fabsf(b);
-}
-
-/*
- * The positions of the first and the last column (or row) of pixels of four cells of `side` pixels each, within an area
- * that is `length` pixels long. A cell that begins beyond the area gets the positions of the first one.
- */
-static void set_cell_samples(uint32_t first, uint32_t begin, uint32_t side, uint32_t length, float sample,
-                             float samples[2][4])
-{
-    for (uint32_t i = 0; i < 4; ++i) {
-        const uint32_t low = i * side < length ? i * side : 0, high = low + side < length ? low + side : length;
-        samples[0][i] = mlrt_sample_position(first, begin + low, sample);
-        samples[1][i] = mlrt_sample_position(first, begin + high - 1, sample);
-    }
-}
-
-/*
- * Copies a view with its directions brought near 1 by a power of two, which leaves slopes as they are. *floor receives
- * a bound of the underflow of its rays before that, and *limit the greatest size with which they are finite.
- */
-static void scale_view(const mlrt_camera *view, mlrt_camera *scaled, float *floor, float *limit)
-{
-    float largest = 0;
-    int exponent;
-    *scaled = *view;
-    for (int k = 0; k < 3; ++k) largest = larger_size(view->d00[k], largest);
-    (void)frexp((double)largest, &exponent);
-    for (int k = 0; k < 3; ++k) {
-        scaled->d00[k] = (float)ldexp((double)view->d00[k], -exponent);
-        scaled->dx[k] = (float)ldexp((double)view->dx[k], -exponent);
-        scaled->dy[k] = (float)ldexp((double)view->dy[k], -exponent);
-    }
-    *floor = (float)(0x1p-100 + ldexp(1, -147 - exponent));
-    *limit = exponent < 66 ? MLRT_SAFE_MAX : (float)ldexp(1, 126 - exponent);
-}
-
-int mlrt_sample_camera_cells(const mlrt_camera *given, float unit, const struct mlrt_rectangle *area, uint32_t side,
-                             struct mlrt_waist *waist, struct mlrt_camera_samples *of)
-{
-    float floor = 0x1p-100f, limit = MLRT_SAFE_MAX;
-    const mlrt_camera *view = &of->view;
-    if (mlrt_is_parallel(given) || given->t_min != 0 || !isinf(given->t_max)) return 0;
-    if (MLRT_UNLIKELY(unit != 1)) {
-        scale_view(given, &of->view, &floor, &limit);
-    } else {
-        of->view = *given;
-    }
-    const uint32_t x = area->x, y = area->y, width = area->width, height = area->height;
-    float columns[2][4], rows[2][4], middle[3];
-    set_cell_samples(view->crop_x, x, side, width, view->sample_x, columns);
-    set_cell_samples(view->crop_y, y, side, height, view->sample_y, rows);
-    const float x_max = larger_size(columns[0][0], mlrt_sample_position(view->crop_x, x + width - 1, view->sample_x));
-    const float y_max = larger_size(rows[0][0], mlrt_sample_position(view->crop_y, y + height - 1, view->sample_y));
-    for (int k = 0; k < 3; ++k) {
-        const float whole = fabsf(view->d00[k]) + x_max * fabsf(view->dx[k]) + y_max * fabsf(view->dy[k]);
-        if (!(whole <= limit)) return 0;
-        of->pad[k] = whole * (8 * 0x1p-24f) + floor;
-        middle[k] = (view->d00[k] + columns[0][0] * view->dx[k]) + rows[0][0] * view->dy[k];
-    }
-    mlrt_set_main_axis(middle, waist);
-    of->all = 0;
-    for (uint32_t i = 0; i < MLRT_CELL_COUNT; ++i) {
-        const uint32_t column = i % 4, row = i / 4;
-        of->all |= (uint32_t)(column * side < width && row * side < height) << i;
-        for (int end = 0; end < 2; ++end) {
-            of->positions[end][i] = columns[end][column];
-            of->positions[2 + end][i] = rows[end][row];
-        }
-    }
-    return mlrt_set_apex(view->eye, unit, waist);
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    bundle->state.going = bundle->state.closed = bundle->state.apexes = there;
+    bundle->ends_at_skip = 0;
+    bundle->arrays = NULL;
+    memset(hulls->term + MLRT_PLACE_J, 0, 2 * sizeof *hulls->term);
+    memset(hulls->first, 0, sizeof hulls->first);
+    memset(hulls->begin, 0, sizeof hulls->begin);
+    memset(hulls->filter.away, 0, sizeof hulls->filter.away);
+    memset(hulls->closed.core_first, 0, sizeof hulls->closed.core_first);
+    for (int i = 0; i < MLRT_BUNDLE_PACKETS; ++i) hulls->last[i] = hulls->closed.core_last[i] = INFINITY;
+    mlrt_fill_words(hulls->closed.skip, MLRT_NONE);
 }
 
 int mlrt_begin_parallel_cells(const struct mlrt_bvh *bvh, struct mlrt_array_cells *cells, struct mlrt_waist *waist)

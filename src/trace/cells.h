@@ -14,21 +14,8 @@
 /* Makes a point the waist. Returns 0 if it is not exact in units, or if float does not carry it. */
 int mlrt_set_apex(const float point[3], float unit, struct mlrt_waist *waist);
 
-/* A camera's cells before their slopes are bounded. */
-struct mlrt_camera_samples {
-    mlrt_camera view; /* with directions that are brought near 1, if the unit of boxes is not 1 */
-    uint32_t all;     /* the cells that exist */
-    float pad[3];     /* what a component of a direction may be off by: see gather_camera_cells */
-    /* Of each cell, the first and the last column, and the first and the last row. */
-    MLRT_ALIGNED(64) float positions[4][MLRT_CELL_COUNT];
-};
-
-/*
- * Sets the waist, and the samples of the cells of `side` x `side` pixels that `area` consists of. Returns 0 if the rays
- * are parallel, have limits of t, or if float does not carry them.
- */
-int mlrt_sample_camera_cells(const mlrt_camera *view, float unit, const struct mlrt_rectangle *area, uint32_t side,
-                             struct mlrt_waist *waist, struct mlrt_camera_samples *of);
+/* Begins the cells `there` of a bundle: closed, all rays start at the waist, and look from there without an end. */
+void mlrt_begin_cells(uint32_t there, struct mlrt_bundle *bundle);
 
 /*
  * A slab, and a box, in which the points e of all rays of a cell lie: d of rays to a light, o of parallel rays.

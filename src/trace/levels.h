@@ -21,13 +21,15 @@
 #include "trace/tile.h"
 
 /*
- * Makes a bundle without rays of the cells of `side` x `side` pixels of a camera's picture (camera_cells.h), or of the
+ * Makes a bundle without rays of the cells of `side` x `side` pixels of a camera's picture (camera_cells.c), or of the
  * tiles of arrays with one origin or one direction (array_cells.h). Returns 0 if that is not possible.
  */
 static int gather_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                         struct mlrt_array_cells *arrays, struct mlrt_bundle *bundle)
 {
-    if (mlrt_is_pinhole(&job->source)) return gather_camera_cells(job, area, side, bundle);
+    if (mlrt_is_pinhole(&job->source)) {
+        return mlrt_gather_camera_cells(&job->source.view, job->tree->bvh.unit, area, side, bundle);
+    }
     if (arrays && job->source.kind != MLRT_SOURCE_CAMERA) return gather_array_cells(job, area, arrays, bundle);
     return 0;
 }

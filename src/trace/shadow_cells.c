@@ -31,6 +31,8 @@
 #include "hits/shadow_ray.h"
 #include "rays/slope_limits.h"
 #include "simd/quad.h"
+#include "trace/cells.h"
+#include "trace/corner_slopes.h"
 
 /* The least D, and the errors of places: relative to z / D, and relative to |o - L| + 2 z + P. */
 #define LEAST_STEEPNESS 0x1p-5f
@@ -109,72 +111,48 @@ static void set_main_axis(const struct mlrt_bundle *seen, const float from[3], c
     mlrt_set_main_axis(x, &lit->waist);
 }
 
-/* For four cells: the extremes over the hits of their corner rays, as seen from the light. */
-struct quad_extremes {
+/* For four cells: the extremes over the hits of their corner rays. */
+struct hit_extremes {
     f4 least_steepness; /* D */
-    f4 least_depth;
-    f4 greatest_depth;
-    f4 greatest_z; /* from the camera */
-    f4 lo[2];      /* slopes */
-    f4 hi[2];
+    f4 greatest_z;      /* from the camera */
+    struct corner_slopes slopes;
 };
 
 /* Extends the extremes of four cells by the hits of their rays at one corner. */
-static MLRT_NOINLINE void add_corner(const struct mlrt_bundle *seen, const struct planes *planes, const float from[3],
-                                     uint32_t first, uint32_t corner, const struct mlrt_bundle *lit,
-                                     struct quad_extremes *of)
+static MLRT_NOINLINE void add_hits(const struct mlrt_bundle *seen, const struct planes *planes, const float from[3],
+                                   uint32_t first, uint32_t corner, const struct mlrt_waist *waist,
+                                   struct hit_extremes *of)
 {
     const int a = seen->waist.main_axis;
-    f4 d[3], steepness = f4_set1(0);
+    f4 d[3], x[3], steepness = f4_set1(0);
     d[a] = f4_set1(seen->waist.sign);
     for (uint32_t side = 0; side < 2; ++side) {
         const struct mlrt_hull_row *slopes = &seen->hulls.term[side];
-        d[(a + 1 + (int)side) % 3] = f4_load((corner >> side & 1 ? slopes->hi : slopes->lo) + first);
+        d[mlrt_slope_axis(a, (int)side)] = f4_load((corner >> side & 1 ? slopes->hi : slopes->lo) + first);
     }
     for (int k = 0; k < 3; ++k) steepness = f4_add(steepness, f4_mul(f4_load(planes->m[k] + first), d[k]));
-    of->least_steepness = f4_min(steepness, of->least_steepness);
     const f4 z = f4_div(f4_load(planes->n + first), steepness);
+    of->least_steepness = f4_min(steepness, of->least_steepness);
     of->greatest_z = f4_max(z, of->greatest_z);
-    f4 x[3];
-    for (int k = 0; k < 3; ++k) x[k] = f4_add(f4_set1(from[k]), f4_mul(z, d[k]));
-    const int b = lit->waist.main_axis;
-    const f4 depth = f4_flip(x[b], lit->waist.sign), inverse = f4_div(f4_set1(1), depth);
-    of->least_depth = f4_min(depth, of->least_depth);
-    of->greatest_depth = f4_max(depth, of->greatest_depth);
-    for (int side = 0; side < 2; ++side) {
-        const f4 slope = f4_mul(x[(b + 1 + side) % 3], inverse);
-        of->lo[side] = f4_min(slope, of->lo[side]);
-        of->hi[side] = f4_max(slope, of->hi[side]);
+    for (int k = 0; k < 3; ++k) {
+        const int axis = (waist->main_axis + k) % 3;
+        x[k] = f4_add(f4_set1(from[axis]), f4_mul(z, d[axis]));
     }
+    add_corner(waist->sign, x, &of->slopes);
 }
 
-MLRT_INLINE float lane_of(const f4 *quad, uint32_t place)
+/* Sets the slopes and depths of four cells. Returns those whose bounds are not too wide and slopes not too steep. */
+static uint32_t set_lit_cells(const struct hit_extremes *of, const struct planes *planes, float away, uint32_t first,
+                              struct mlrt_bundle *lit)
 {
-    return ((const float *)quad)[place % 4];
-}
-
-/* Sets the slopes and depths of one cell. Returns 0 if its bounds would be too wide or its slopes too steep. */
-static int set_lit_cell(const struct quad_extremes *of, float reach, float away, uint32_t place,
-                        struct mlrt_bundle *lit)
-{
-    struct mlrt_hulls *hulls = &lit->hulls;
-    const float steepness = lane_of(&of->least_steepness, place), z = lane_of(&of->greatest_z, place);
-    const float depth = lane_of(&of->least_depth, place);
-    const float error = PLACE_ERROR * (away + 2 * z + reach) + ALONG_ERROR * z / steepness + SLOPE_FLOOR;
-    if (!(steepness > LEAST_STEEPNESS && depth > 4 * error)) return 0;
-    for (int side = 0; side < 2; ++side) {
-        const float lo = lane_of(&of->lo[side], place), hi = lane_of(&of->hi[side], place);
-        const float steepest = fmaxf(fabsf(lo), fabsf(hi));
-        if (!(steepest <= STEEPEST_SLOPE)) return 0;
-        const float slack = 2 * error * (1 + steepest) / depth + steepest * SLOPE_SLACK + SLOPE_FLOOR;
-        hulls->term[side].lo[place] = lo - slack;
-        hulls->term[side].hi[place] = hi + slack;
-        hulls->term[MLRT_PLACE_J + side].lo[place] = hulls->term[MLRT_PLACE_J + side].hi[place] = 0;
-    }
-    hulls->first[place] = hulls->closed.core_first[place] = hulls->begin[place] = hulls->filter.away[place] = 0;
-    hulls->closed.core_last[place] = (depth - error) * (1 - SLOPE_SLACK);
-    hulls->last[place] = (lane_of(&of->greatest_depth, place) + error) * (1 + SLOPE_SLACK);
-    return 1;
+    const f4 z = of->greatest_z, sizes = f4_add(f4_add(f4_set1(away), f4_add(z, z)), f4_load(planes->reach + first));
+    const f4 along = f4_div(f4_mul(f4_set1(ALONG_ERROR), z), of->least_steepness);
+    const f4 error = f4_add(f4_add(f4_mul(f4_set1(PLACE_ERROR), sizes), along), f4_set1(SLOPE_FLOOR));
+    const f4 least = f4_sub(of->slopes.least_depth, error), greatest = f4_add(of->slopes.greatest_depth, error);
+    f4_store(lit->hulls.closed.core_last + first, f4_mul(least, f4_set1(1 - SLOPE_SLACK)));
+    f4_store(lit->hulls.last + first, f4_mul(greatest, f4_set1(1 + SLOPE_SLACK)));
+    return set_cell_slopes(&of->slopes, (const f4[3]){error, error, error}, first, &lit->hulls) &
+           f4_above(of->least_steepness, f4_set1(LEAST_STEEPNESS));
 }
 
 uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_tree *tree,
@@ -183,6 +161,10 @@ uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_
     struct planes planes;
     float from[3], away = 0;
     *dark = 0;
+    mlrt_begin_cells(0, lit);
+    lit->ends_at_skip = 1;
+    memcpy(lit->hulls.closed.skip, seen->hulls.closed.cover, sizeof lit->hulls.closed.skip);
+    memcpy(lit->waist.point, light->light, sizeof lit->waist.point);
     for (int k = 0; k < 3; ++k) {
         if (!mlrt_is_float_safe(light->light[k])) return 0;
         from[k] = seen->waist.point[k] - light->light[k];
@@ -194,15 +176,12 @@ uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_
     set_main_axis(seen, from, &planes, mlrt_lowest_bit(facing), lit);
     uint32_t known = 0;
     for (uint32_t first = 0; first < MLRT_BUNDLE_PACKETS; first += 4) {
-        const f4 infinity = f4_set1(INFINITY), below = f4_set1(-INFINITY);
-        struct quad_extremes of = {infinity, infinity, below, below, {infinity, infinity}, {below, below}};
-        for (uint32_t corner = facing >> first & 15 ? 0 : 4; corner < 4; ++corner) {
-            add_corner(seen, &planes, from, first, corner, lit, &of);
-        }
-        for (uint32_t place = first; place < first + 4; ++place) {
-            const int is_known = facing >> place & 1 && set_lit_cell(&of, planes.reach[place], away, place, lit);
-            known |= (uint32_t)is_known << place;
-        }
+        struct hit_extremes of = {f4_set1(INFINITY), f4_set1(-INFINITY), NO_CORNERS};
+        if (!(facing >> first & 15)) continue;
+        for (uint32_t corner = 0; corner < 4; ++corner) add_hits(seen, &planes, from, first, corner, &lit->waist, &of);
+        known |= set_lit_cells(&of, &planes, away, first, lit) << first;
     }
+    known &= facing;
+    lit->state.going = lit->state.closed = lit->state.apexes = known;
     return known;
 }

@@ -24,23 +24,6 @@ struct known_lights {
     uint8_t dark;   /* of these, the lights that do not reach it */
 };
 
-/*
- * Makes a bundle without rays: the cells of a point light that belong to the cells `among` of a picture. Returns the
- * cells that it has; *dark receives those whose surface faces away from the light.
- */
-static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_bundle *seen, uint32_t among,
-                                 struct mlrt_bundle *bundle, uint32_t *dark)
-{
-    struct mlrt_hulls *hulls = &bundle->hulls;
-    const uint32_t lit = mlrt_make_lit_cells(&job->source, job->tree, seen, among, bundle, dark);
-    memcpy(bundle->waist.point, job->source.light, sizeof bundle->waist.point);
-    memcpy(hulls->closed.skip, seen->hulls.closed.cover, sizeof hulls->closed.skip);
-    bundle->state.going = bundle->state.closed = bundle->state.apexes = lit;
-    bundle->ends_at_skip = 1;
-    bundle->arrays = NULL;
-    return lit;
-}
-
 /* Can closed cells of the picture become cells of the light? Requires a pinhole camera, a point light and unit 1. */
 static int have_lit_cells(const struct mlrt_job *job, const struct mlrt_job *light)
 {
@@ -62,7 +45,7 @@ static uint32_t trace_lit_cells(const struct mlrt_job *light, struct mlrt_worker
                                 const struct mlrt_bundle *seen, uint32_t covered, struct mlrt_bundle *bundle,
                                 uint32_t *dark)
 {
-    if (!gather_lit_cells(light, seen, covered, bundle, dark)) return 0;
+    if (!mlrt_make_lit_cells(&light->source, light->tree, seen, covered, bundle, dark)) return 0;
     trace_cells(light, worker, 0, bundle);
     const uint32_t shaded = covered_cells(bundle);
     *dark |= shaded;
@@ -111,7 +94,7 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
     bundle.state.closed = 0;
     const uint32_t covered = covered_cells(seen->cells), missed = seen->cells->state.closed & ~covered;
     if (mlrt_count_bits(covered) >= MLRT_LEAST_LIT_CELLS && have_lit_cells(job, light)) {
-        cells = gather_lit_cells(light, seen->cells, covered, &bundle, &dark);
+        cells = mlrt_make_lit_cells(&light->source, job->tree, seen->cells, covered, &bundle, &dark);
     }
     for (uint32_t left = tile.blocks & ~(dark | cells | missed); left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);

@@ -613,7 +613,7 @@ static void trace_packets_by_lanes(const struct mlrt_job *job, struct mlrt_worke
 }
 
 /*
- * Traces a bundle of packets or tiles that have hulls but no rays (camera_cells.h, shadow_cells.c). Packets get rays
+ * Traces a bundle of packets or tiles that have hulls but no rays (camera_cells.c, shadow_cells.c). Packets get rays
  * when they are opened. If `is_open`, all are opened at once.
  */
 static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_worker *worker, int is_open,
