@@ -81,6 +81,7 @@ int mlrt_gather_camera_cells(const mlrt_camera *view, float unit, const struct m
         middle[k] = (view->d00[k] + columns[0][0] * view->dx[k]) + rows[0][0] * view->dy[k];
     }
     mlrt_set_main_axis(middle, waist);
+    if (!mlrt_set_apex(view->eye, unit, waist)) return 0;
     f4 error[3], from[2][3]; /* d00 + x dx for the first, and the last, columns of four cells */
     float along[3];
     MLRT_UNROLL
@@ -106,5 +107,5 @@ int mlrt_gather_camera_cells(const mlrt_camera *view, float unit, const struct m
         if (all >> 4 * row & 15 & ~set_cell_slopes(&of, error, 4 * row, &bundle->hulls)) return 0;
     }
     mlrt_begin_cells(all, bundle);
-    return mlrt_set_apex(view->eye, unit, waist);
+    return 1;
 }
