@@ -31,7 +31,7 @@
  * some of its rays: cover_parts.c finds out whether others hide the rest. If not, it is opened at the end.
  *
  * CELLS OF A LIGHT (L20). The rays of such a packet skip a triangle S, and end before its plane, on the light's side
- * (shadow_ray.h). The hull contains the direction to a point of S, and D of S has one sign over it (find_order). So all
+ * (shadow_ray.h). The hull contains the direction to a point of S, and D of S has one sign over it (add_order_by_line). So all
  * rays go towards S, and end at a t below that of S. A triangle that is met behind S, by the line, or that lies in the
  * plane of S, is not hit.
  *
@@ -160,15 +160,16 @@ MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const s
 #define MOST_APART   0.25f
 #define ALWAYS_CLOSE 1e-4f
 
-/* Packets in which all rays meet the plane of a triangle behind that of the cover, and in which all meet it before. */
+/* What lines of planes tell of a triangle and others, one for each packet of a vector. */
 struct order_of_packets {
-    vm farther;
-    vm nearer;
+    uint32_t in_plane; /* the other triangle lies in its plane */
+    uint32_t farther;  /* all rays meet its plane behind that of the other */
+    uint32_t nearer;   /* all rays meet it before */
 };
 
-/* Finds the order of a triangle and a cover for a vector of packets, by the line of both (plane_order.c). */
-MLRT_INLINE void find_order(const struct mlrt_hulls *hulls, const struct mlrt_pair_line *line, int v,
-                            const struct triangle_of_packets *of, struct order_of_packets *order)
+/* Adds those of `places` whose order the line of a triangle and another tells (plane_order.c). */
+MLRT_INLINE void add_order_by_line(const struct mlrt_hulls *hulls, const struct mlrt_pair_line *line, uint32_t places,
+                                   int v, const struct triangle_of_packets *of, struct order_of_packets *order)
 {
     const vf reach = v_load(hulls->filter.reach + v), zero = v_set1(0), width = v_mul(reach, v_set1(2 * PLANE_BOUND));
     const vf error = v_mul(reach, v_set1(2 * line->error));
@@ -187,8 +188,31 @@ MLRT_INLINE void find_order(const struct mlrt_hulls *hulls, const struct mlrt_pa
     const vm forward = m_andnot(of->sure, of->backward);
     const vm same = m_or(m_and(forward_2, forward), m_and(backward_2, of->backward));
     const vm other = m_or(m_and(forward_2, of->backward), m_and(backward_2, forward));
-    order->farther = m_or(m_and(above, same), m_and(below, other));
-    order->nearer = m_or(m_and(below, same), m_and(above, other));
+    order->farther |= places & m_bits(m_or(m_and(above, same), m_and(below, other)));
+    order->nearer |= places & m_bits(m_or(m_and(below, same), m_and(above, other)));
+}
+
+/*
+ * Finds the order of a triangle and those in `others`, of which each packet has one, for the packets `places` of the
+ * vector that begins at `v`. If the worker is stopped, the triangle counts as farther.
+ */
+static MLRT_NOINLINE struct order_of_packets find_order(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                                        struct mlrt_bundle *bundle, uint32_t number,
+                                                        const uint32_t others[MLRT_BUNDLE_PACKETS], uint32_t places,
+                                                        int v, const struct triangle_of_packets *of)
+{
+    struct order_of_packets order = {0, 0, 0};
+    if (places && mlrt_is_stopped_in_step(worker)) return (struct order_of_packets){0, places, 0};
+    while (places) {
+        const uint32_t other = others[(uint32_t)v + mlrt_lowest_bit(places)];
+        const uint32_t same = places & m_bits(i_eq(i_load(others + v), i_set1(other)));
+        places &= ~same;
+        if (other == MLRT_NONE || other == number) continue;
+        const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, other, worker, bundle->cache);
+        if (line->kind == MLRT_ONE_PLANE) order.in_plane |= same;
+        if (line->kind == MLRT_LINE) add_order_by_line(&bundle->hulls, line, same, v, of, &order);
+    }
+    return order;
 }
 
 /* Does a packet have its rays? */
@@ -292,32 +316,17 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
     const vf apart = v_add(v_abs(v_sub(of->near, near)), v_abs(v_sub(of->far, far)));
     const vf width = v_sub(v_add(of->far, far), v_add(of->near, near));
     const vf close = v_mul_add(width, v_set1(MOST_APART), v_mul(v_abs(of->far), v_set1(ALWAYS_CLOSE)));
-    uint32_t settled = 0;
-    doubtful &= m_bits(m_andnot(v_le(apart, close), i_eq(i_load(hulls->closed.cover + v), i_set1(MLRT_NONE))));
-    if (doubtful && mlrt_is_stopped_in_step(worker)) return doubtful;
-    while (doubtful) {
-        const uint32_t cover = hulls->closed.cover[(uint32_t)v + mlrt_lowest_bit(doubtful)];
-        const uint32_t same = doubtful & m_bits(i_eq(i_load(hulls->closed.cover + v), i_set1(cover)));
-        doubtful &= ~same;
-        const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, cover, worker, bundle->cache);
-        uint32_t replaced = 0;
-        if (line->kind == MLRT_ONE_PLANE) {
-            replaced = number < cover ? same & m_bits(of->inside) : 0;
-            settled |= number < cover ? replaced : same;
-        } else if (line->kind == MLRT_LINE) {
-            struct order_of_packets order;
-            find_order(hulls, line, v, of, &order);
-            replaced = same & m_bits(order.nearer) & may_cover;
-            settled |= replaced | (same & m_bits(order.farther));
-            const vm kept = m_from_bits(replaced);
-            const vf last = v_load(hulls->last + v);
-            v_store(hulls->last + v, v_select(kept, v_min(of->far, last), last));
-            v_store(hulls->closed.cover_near + v, v_select(kept, of->near, v_load(hulls->closed.cover_near + v)));
-        }
-        i_store(hulls->closed.cover + v,
-                i_select(m_from_bits(replaced), i_set1(number), i_load(hulls->closed.cover + v)));
-    }
-    return settled;
+    const vi cover = i_load(hulls->closed.cover + v);
+    doubtful &= m_bits(m_andnot(v_le(apart, close), i_eq(cover, i_set1(MLRT_NONE))));
+    if (!doubtful) return 0;
+    const struct order_of_packets order = find_order(job, worker, bundle, number, hulls->closed.cover, doubtful, v, of);
+    const uint32_t later = order.in_plane & m_bits(i_lt(cover, i_set1(number)));
+    const uint32_t nearer = order.nearer & may_cover, first = order.in_plane & ~later & m_bits(of->inside);
+    const vm kept = m_from_bits(nearer);
+    v_store(hulls->last + v, v_select(kept, v_min(of->far, far), far));
+    v_store(hulls->closed.cover_near + v, v_select(kept, of->near, near));
+    i_store(hulls->closed.cover + v, i_select(m_from_bits(nearer | first), i_set1(number), cover));
+    return order.farther | nearer | later | first;
 }
 
 /*
@@ -351,35 +360,6 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
         if (!(lanes & ~(is_end ? sides.before : sides.behind))) apart |= places & (0u - places);
     }
     return apart;
-}
-
-/*
- * Of packets without rays, returns those that do not hit the triangle `number`: all of their rays end before the
- * triangle that they skip (shadow_cells.c), and meet `number` behind that triangle, or in its plane. See "CELLS OF A
- * LIGHT".
- */
-static MLRT_NOINLINE uint32_t find_packets_behind(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                                  struct mlrt_bundle *bundle, uint32_t number, uint32_t places, int v,
-                                                  const struct triangle_of_packets *of)
-{
-    const struct mlrt_hulls *hulls = &bundle->hulls;
-    uint32_t behind = 0;
-    if (mlrt_is_stopped_in_step(worker)) return places;
-    while (places) {
-        const uint32_t skip = hulls->closed.skip[(uint32_t)v + mlrt_lowest_bit(places)];
-        const uint32_t same = places & m_bits(i_eq(i_load(hulls->closed.skip + v), i_set1(skip)));
-        places &= ~same;
-        if (skip == MLRT_NONE || skip == number) continue;
-        const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, skip, worker, bundle->cache);
-        if (line->kind == MLRT_ONE_PLANE) {
-            behind |= same;
-        } else if (line->kind == MLRT_LINE) {
-            struct order_of_packets order;
-            find_order(hulls, line, v, of, &order);
-            behind |= same & m_bits(order.farther);
-        }
-    }
-    return behind;
 }
 
 /* Tests a triangle against the hulls of the packets `among`, and sets covers. */
@@ -425,8 +405,11 @@ MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_jo
             const uint32_t made = (bundle->tile ? bundle->tile->made : 0) >> v,
                            those = (may_be & made) << v & bundle->state.closed;
             const uint32_t others = may_be & bundle->state.closed >> v & ~made;
-            if (others && bundle->ends_at_skip)
-                met &= ~find_packets_behind(job, worker, bundle, number, others, v, &of);
+            if (others && bundle->ends_at_skip) { /* see "CELLS OF A LIGHT" */
+                const struct order_of_packets order =
+                    find_order(job, worker, bundle, number, hulls->closed.skip, others, v, &of);
+                met &= ~(order.in_plane | order.farther);
+            }
             if (others && bundle->arrays)
                 met &= ~(find_cells_apart(job->tree, bundle, leaf, triangle, others << v, ~m_bits(near_begin) << v,
                                           m_bits(of.backward) << v) >>
