@@ -45,7 +45,6 @@ static float remembering_divide(float a, float b)
 #include "isa/kernels.h"
 
 #define MLRT_QUAD_H /* the kernels have quads in plain C */
-#include "trace/cover_parts.c"
 
 #undef v_mul_add
 #undef v_mul_sub
@@ -615,7 +614,7 @@ static void draw_depths(struct random *random, const struct bound *bound, float 
 /* Those of the first ray and a triangle. */
 static void find_edges(const struct mlrt_bundle_leaf *of, int has_places, struct edge_values *found)
 {
-    found->bound[0] = edge_bounds(&bundle.hulls, 0, of->edges.steepness[0], has_places);
+    found->bound[0] = edge_bounds(&(struct hull_pairs){&bundle.hulls, of, 0, 0, 0, has_places}, 1);
     if (has_places) {
         find_edge_values(of, &tile.rays[0], &tile.packets[0], 1, 1, 0, 1, found);
     } else {
@@ -810,16 +809,16 @@ static double attack_apex_outline(const float *input)
 
 /*
  * Edge functions between these are moved so that the least of them, in either sign, is just below 0. Is the edge open then
- * (cover_parts.c)? That is so if the bounds over the hull hold.
+ * (find_open_edges, cover.h)? That is so if the bounds over the hull hold.
  */
 static int is_open_if_moved(int i, double least, double greatest)
 {
     const float constant = leaf.edges.constant[i][0];
     int is_open = 1;
     for (int sign = -1; sign < 2; sign += 2) {
-        uint32_t open[3];
+        uint32_t open[3] = {0};
         leaf.edges.constant[i][0] = next_float((float)(constant - (sign < 0 ? greatest : least)), -sign);
-        find_open_edges(&bundle, &leaf, 0, 0, (float)sign, open);
+        find_open_edges(&bundle, &leaf, 0, 0, (sign < 0) != (leaf.state.flipped & 1), open);
         is_open &= (int)(open[i] & 1);
     }
     leaf.edges.constant[i][0] = constant;
@@ -832,13 +831,12 @@ static double cuts_over(const float *input, int has_places)
     double worst = 0;
     if (!bundle_of(input, 2, has_places)) return -1;
     set_up_triangle(input);
-    const float bound = 2 * edge_bounds(&bundle.hulls, 0, leaf.edges.steepness[0], has_places);
+    const struct hull_pairs pairs = {&bundle.hulls, &leaf, 0, 0, 0, has_places};
+    const float bound = edge_bounds(&pairs, 2);
     for (int i = 0; i < 3; i++) {
         float least, greatest;
         double ends[2];
-        bound_over_hull(&bundle.hulls, 0, leaf.edges.constant[i],
-                        (const float(*)[MLRT_BVH_LEAF_LIMIT])leaf.edges.coefficient[i][0],
-                        has_places ? MLRT_RAY_TERMS : 2, &least, &greatest);
+        bound_edge(&pairs, i, &least, &greatest);
         for (int ray = 0; ray < 2; ray++) {
             find_edge(i, ray);
             turn_as_leaf();
@@ -851,8 +849,8 @@ static double cuts_over(const float *input, int has_places)
     }
     const float width = 2 * PLANE_BOUND * bundle.hulls.filter.reach[0];
     float least, greatest;
-    bound_over_hull(&bundle.hulls, 0, leaf.planes.normal[0], (const float(*)[MLRT_BVH_LEAF_LIMIT])leaf.planes.normal[1],
-                    2, &least, &greatest);
+    bound_over_hulls(&pairs, leaf.planes.normal[0], (const float(*)[MLRT_BVH_LEAF_LIMIT])leaf.planes.normal + 1, 2,
+                     &least, &greatest);
     for (int ray = 0; ray < 2; ray++) {
         find_d(ray);
         turn_as_leaf();
@@ -995,7 +993,7 @@ static double covers_over(const float *input, int has_places)
 {
     static struct mlrt_worker worker;
     static const struct mlrt_job job = {.tree = &tree_of_one, .any = 0};
-    struct triangle_of_packets of;
+    struct triangles_of_hulls of;
     double worst = 0.001;
     const int count = input[FUSED] > 0 && bits_of_float(input[FUSED]) & 1 ? 2 : 1;
     if (!bundle_of(input, count, has_places)) return -1;
@@ -1004,7 +1002,7 @@ static double covers_over(const float *input, int has_places)
         mlrt_settle_signs(&tree_of_one, &bundle.waist, &leaf);
         if (!leaf.state.from_waist) return -1;
     }
-    see_triangle_of_packets(&bundle.hulls, &leaf, 0, 0, has_places, &of);
+    see_triangles(&(struct hull_pairs){&bundle.hulls, &leaf, 0, 0, 1, has_places}, &of);
     bound_depths(&bundle.hulls, &leaf, 0, 0, has_places, &of);
     tile.packets[0].nearest.triangle[0] = MLRT_NONE;
     const uint32_t may = offer_to_packets(&job, &worker, &bundle, &leaf, 0, 1);

@@ -307,6 +307,7 @@ static inline void mlrt_note_attempt(int is_vain, uint32_t least, uint32_t longe
 struct mlrt_cover_parts {
     struct mlrt_run lone_squares; /* in which no cell waits for further parts */
     uint32_t waited;              /* cells that have had a part */
+    uint32_t open[3];             /* of the triangle at hand: see mlrt_add_cover_part */
     struct mlrt_cell_parts cells[MLRT_BUNDLE_PACKETS];
 };
 

@@ -51,6 +51,7 @@
 #include "trace/bundle.h"
 #include "trace/cell_ends.h"
 #include "trace/cover_parts.h"
+#include "trace/cuts.h"
 #include "trace/ray_hulls.h"
 #include "trace/leaf.h"
 #include "trace/make_rays.h"
@@ -58,37 +59,9 @@
 #include "trace/plane_sides.h"
 #include "trace/units.h"
 
-/* One triangle, and a vector of packets. */
-struct triangle_of_packets {
-    vm out;      /* no ray hits it */
-    vm inside;   /* all rays pass inside its edges */
-    vm sure;     /* D has one certain sign for all rays, */
-    vm backward; /* which is -1 */
-    vf least_d;
-    vf greatest_d;
-    vf near; /* where `sure`: depths between which all rays meet its plane */
-    vf far;
-};
-
-/* Bounds an edge function, or D, over the hulls of a vector of packets; rounding errors come on top. */
-MLRT_INLINE void bound_over_packets(const struct mlrt_hulls *hulls, int v, float constant,
-                                    const float (*coefficient)[MLRT_BVH_LEAF_LIMIT], uint32_t triangle, int term_count,
-                                    vf *least, vf *greatest)
-{
-    vf middle = v_set1(constant), radius = v_set1(0);
-    MLRT_UNROLL
-    for (int i = 0; i < term_count; ++i) {
-        const vf c = v_set1(coefficient[i][triangle]);
-        middle = v_mul_add(c, v_load(hulls->filter.middle[i] + v), middle);
-        radius = v_mul_add(v_abs(c), v_load(hulls->filter.radius[i] + v), radius);
-    }
-    *least = v_sub(middle, radius);
-    *greatest = v_add(middle, radius);
-}
-
 /* Bounds N over the hulls, and sets the depths `near` and `far`, which hold where `sure`. */
 MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
-                              int v, int has_places, struct triangle_of_packets *of)
+                              int v, int has_places, struct triangles_of_hulls *of)
 {
     const vm backward = of->backward;
     vf middle = v_set1(leaf->planes.distance[triangle]), radius = v_set1(0), error = v_set1(0);
@@ -116,42 +89,6 @@ MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_
     of->far = v_add(far, v_mul_add(v_abs(far), slack, floor));
 }
 
-/* Sets all but the depths: which packets miss the triangle, pass inside its edges, and have one sign of D. */
-MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const struct mlrt_bundle_leaf *leaf,
-                                         uint32_t triangle, int v, int has_places, struct triangle_of_packets *of)
-{
-    const int term_count = has_places ? MLRT_RAY_TERMS : 2;
-    const vf reach = v_load(hulls->filter.reach + v), zero = v_set1(0);
-    vf lowest = v_set1(INFINITY), highest = v_set1(-INFINITY), inner_low = lowest, inner_high = highest, least,
-       greatest;
-    MLRT_UNROLL
-    for (int i = 0; i < 3; ++i) {
-        bound_over_packets(hulls, v, leaf->edges.constant[i][triangle], leaf->edges.coefficient[i], triangle,
-                           term_count, &least, &greatest);
-        lowest = v_min(greatest, lowest);
-        highest = v_max(least, highest);
-        inner_low = v_min(least, inner_low);
-        inner_high = v_max(greatest, inner_high);
-    }
-    vf bound = v_mul(reach, v_set1(2 * EDGE_ERROR));
-    if (has_places && !MLRT_GUESS) {
-        bound =
-            v_mul_add(v_mul(v_load(hulls->filter.blur + v), reach), v_set1(2 * leaf->edges.steepness[triangle]), bound);
-    }
-    const vf width = v_mul(reach, v_set1(2 * PLANE_BOUND));
-    bound_over_packets(hulls, v, leaf->planes.normal[0][triangle], leaf->planes.normal + 1, triangle, 2, &least,
-                       &greatest);
-    const vm below = v_lt(lowest, v_sub(zero, bound)), above = v_gt(highest, bound);
-    const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(zero, width));
-    of->out = has_places ? m_or(m_and(below, m_or(above, forward)), m_and(above, backward)) : m_or(below, backward);
-    of->inside = m_and(forward, v_gt(inner_low, bound));
-    if (has_places) of->inside = m_or(of->inside, m_and(backward, v_lt(inner_high, v_sub(zero, bound))));
-    of->sure = m_or(forward, backward);
-    of->backward = backward;
-    of->least_d = least;
-    of->greatest_d = greatest;
-}
-
 /*
  * A triangle and a cover are put in order by their line only where the depths of both begin and end near each other: no
  * farther apart than this share of their widths, or this share of the depth. Where a triangle farther apart meets the
@@ -169,7 +106,7 @@ struct order_of_packets {
 
 /* Adds those of `places` whose order the line of a triangle and another tells (plane_order.c). */
 MLRT_INLINE void add_order_by_line(const struct mlrt_hulls *hulls, const struct mlrt_pair_line *line, uint32_t places,
-                                   int v, const struct triangle_of_packets *of, struct order_of_packets *order)
+                                   int v, const struct triangles_of_hulls *of, struct order_of_packets *order)
 {
     const vf reach = v_load(hulls->filter.reach + v), zero = v_set1(0), width = v_mul(reach, v_set1(2 * PLANE_BOUND));
     const vf error = v_mul(reach, v_set1(2 * line->error));
@@ -199,7 +136,7 @@ MLRT_INLINE void add_order_by_line(const struct mlrt_hulls *hulls, const struct 
 static MLRT_NOINLINE struct order_of_packets find_order(const struct mlrt_job *job, struct mlrt_worker *worker,
                                                         struct mlrt_bundle *bundle, uint32_t number,
                                                         const uint32_t others[MLRT_BUNDLE_PACKETS], uint32_t places,
-                                                        int v, const struct triangle_of_packets *of)
+                                                        int v, const struct triangles_of_hulls *of)
 {
     struct order_of_packets order = {0, 0, 0};
     if (places && mlrt_is_stopped_in_step(worker)) return (struct order_of_packets){0, places, 0};
@@ -309,7 +246,7 @@ MLRT_INLINE uint32_t skipping_lanes(const struct mlrt_bundle *bundle, uint32_t p
  */
 static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct mlrt_worker *worker,
                                             struct mlrt_bundle *bundle, uint32_t number, uint32_t doubtful,
-                                            uint32_t may_cover, int v, const struct triangle_of_packets *of)
+                                            uint32_t may_cover, int v, const struct triangles_of_hulls *of)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     const vf far = v_load(hulls->last + v), near = v_load(hulls->closed.cover_near + v);
@@ -362,6 +299,24 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
     return apart;
 }
 
+/*
+ * Sets open[i], for the packets of a vector, to those inside of whose edge i not all rays are known to pass. D has one sign
+ * for each, which is -1 for those that are `backward`.
+ */
+static MLRT_NOINLINE void find_open_edges(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                          uint32_t triangle, int v, uint32_t backward, uint32_t open[3])
+{
+    const struct hull_pairs pairs = {&bundle->hulls, leaf, (uint32_t)v, triangle, 1, bundle->has.places};
+    const vm turned = m_from_bits(leaf->state.flipped >> triangle & 1 ? ~backward : backward);
+    const vf bound = edge_bounds(&pairs, 2);
+    for (int i = 0; i < 3; ++i) {
+        vf least, greatest;
+        bound_edge(&pairs, i, &least, &greatest);
+        const vm closed = v_gt(v_select(turned, v_sub(v_set1(0), greatest), least), bound);
+        open[i] = (open[i] | ALL_LANES << v) & ~(m_bits(closed) << v);
+    }
+}
+
 /* Tests a triangle against the hulls of the packets `among`, and sets covers. */
 MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_job *job, struct mlrt_worker *worker,
                                                             struct mlrt_bundle *bundle,
@@ -376,8 +331,9 @@ MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_jo
         /* With places, outlines are not compared: they cost about as much as edges. */
         const uint32_t seeing = among >> v & (has_places ? ALL_LANES : packets_seeing(bundle, leaf, triangle, v));
         if (!seeing) continue;
-        struct triangle_of_packets of;
-        see_triangle_of_packets(hulls, leaf, triangle, v, has_places, &of);
+        struct triangles_of_hulls of;
+        const struct hull_pairs pairs = {hulls, leaf, (uint32_t)v, triangle, 1, has_places};
+        see_triangles(&pairs, &of);
         if (!(seeing & ~m_bits(of.out) & bundle->state.closed >> v)) {
             offered.may |= (seeing & ~m_bits(of.out)) << v;
             continue;
@@ -443,9 +399,11 @@ MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_jo
             v_store(hulls->closed.cover_near + v, v_select(kept, of.near, cover_near));
             i_store(hulls->closed.cover + v, i_select(kept, i_set1(number), i_load(hulls->closed.cover + v)));
         }
-        if (bundle->arrays) {
-            offered.in_part |= (closed & ~these & m_bits(m_and(of.sure, core))) << v;
+        if (bundle->arrays && !worker->bundles->parts.lone_squares.left) {
+            const uint32_t in_part = closed & ~these & m_bits(m_and(of.sure, core));
+            offered.in_part |= in_part << v;
             offered.backward |= m_bits(of.backward) << v;
+            if (in_part) find_open_edges(bundle, leaf, triangle, v, m_bits(of.backward), worker->bundles->parts.open);
         }
         const uint32_t doubtful = job->any ? 0 : closed & ~these;
         if (!doubtful) continue;
@@ -467,7 +425,7 @@ static MLRT_NOINLINE uint32_t offer_to_packets(const struct mlrt_job *job, struc
                                                ? offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 1)
                                                : offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 0);
     uint32_t may = of.may & among & ~of.covered, covered = of.covered;
-    if (bundle->arrays && of.in_part && !worker->bundles->parts.lone_squares.left) {
+    if (of.in_part) {
         struct mlrt_offered_packets parts = {may, covered, of.in_part, of.backward};
         mlrt_add_cover_part(bundle, leaf, triangle, cell_skips, &worker->bundles->parts, &parts);
         may = parts.may, covered = parts.covered;

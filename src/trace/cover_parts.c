@@ -8,40 +8,6 @@
 
 #include <string.h>
 
-#include "simd/quad.h"
-
-/* The lanes that are surely above 0: not those that are NaN. */
-static uint32_t lanes_above(f4 a)
-{
-    return f4_zeros(f4_sub(a, f4_abs(a))) & ~f4_zeros(a);
-}
-
-/*
- * Finds the open edges of a triangle for four cells: open[i] has a bit for each cell for which edge i is. `sign` is that
- * of D, as the leaf is set up.
- */
-static void find_open_edges(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
-                            uint32_t first, float sign, uint32_t open[3])
-{
-    const struct mlrt_filter_hulls *hulls = &bundle->hulls.filter;
-    const int term_count = bundle->has.places ? MLRT_RAY_TERMS : 2;
-    const f4 reach = f4_load(hulls->reach + first);
-    f4 bound = f4_mul(f4_set1(2 * EDGE_ERROR), reach);
-    if (bundle->has.places) {
-        const f4 steepness = f4_set1(2 * leaf->edges.steepness[triangle]);
-        bound = f4_add(f4_mul(steepness, f4_mul(f4_load(hulls->blur + first), reach)), bound);
-    }
-    for (int edge = 0; edge < 3; ++edge) {
-        f4 middle = f4_set1(leaf->edges.constant[edge][triangle]), radius = f4_set1(0);
-        for (int i = 0; i < term_count; ++i) {
-            const f4 c = f4_set1(leaf->edges.coefficient[edge][i][triangle]);
-            middle = f4_add(f4_mul(c, f4_load(hulls->middle[i] + first)), middle);
-            radius = f4_add(f4_mul(f4_abs(c), f4_load(hulls->radius[i] + first)), radius);
-        }
-        open[edge] = ~lanes_above(f4_sub(f4_sub(f4_flip(middle, sign), radius), bound));
-    }
-}
-
 /* Counts a new edge of a cell, and finds those that are the same. Returns 0 if there is none. */
 static int add_edge(struct mlrt_cell_parts *cell)
 {
@@ -77,7 +43,7 @@ static uint32_t find_shared(const struct mlrt_open_edge *edges, uint32_t count)
  * is the last part, or 0.
  */
 static uint32_t add_to_cell(const struct mlrt_bundle_leaf *leaf, uint32_t triangle, int is_backward,
-                            const uint32_t open[3], uint32_t bit, struct mlrt_cell_parts *cell)
+                            const uint32_t open[3], uint32_t place, struct mlrt_cell_parts *cell)
 {
     int is_last = 1;
     for (uint32_t i = 0; i < cell->count; ++i) {
@@ -87,7 +53,7 @@ static uint32_t add_to_cell(const struct mlrt_bundle_leaf *leaf, uint32_t triang
         const float *from = leaf->corners + 3 * (size_t)leaf->row * i + triangle;
         const float *to = leaf->corners + 3 * (size_t)leaf->row * ((i + 1) % 3) + triangle;
         struct mlrt_open_edge *edge = &cell->edges[cell->count];
-        if (!(open[i] >> bit & 1)) continue;
+        if (!(open[i] >> place & 1)) continue;
         for (size_t k = 0; k < 3; ++k) {
             edge->first[k] = (is_backward ? to : from)[k * leaf->row];
             edge->last[k] = (is_backward ? from : to)[k * leaf->row];
@@ -102,17 +68,13 @@ void mlrt_add_cover_part(struct mlrt_bundle *bundle, const struct mlrt_bundle_le
                          mlrt_cell_test *skips, struct mlrt_cover_parts *parts, struct mlrt_offered_packets *offered)
 {
     const int is_backward = offered->backward >> mlrt_lowest_bit(offered->in_part) & 1; /* all have this sign (L22) */
-    const float sign = (int)(leaf->state.flipped >> triangle & 1) != is_backward ? -1.0f : 1.0f;
-    uint32_t open[3] = {0, 0, 0}, ready = 0;
     if (MLRT_UNLIKELY(leaf->state.odd >> triangle & 1)) return; /* the leaf does not have its corners (bvh/unit.h) */
     for (uint32_t left = offered->in_part; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left), first = place & ~3u;
+        const uint32_t place = mlrt_lowest_bit(left);
         struct mlrt_cell_parts *cell = &parts->cells[place];
         if (!(parts->waited >> place & 1)) cell->count = 0;
         if (cell->count + 3 > MLRT_MOST_OPEN_EDGES) continue;
-        if (!(ready >> first & 1)) find_open_edges(bundle, leaf, triangle, first, sign, open);
-        ready |= 1u << first;
-        uint32_t cover = add_to_cell(leaf, triangle, is_backward, open, place % 4, cell), last = MLRT_NONE;
+        uint32_t cover = add_to_cell(leaf, triangle, is_backward, parts->open, place, cell), last = MLRT_NONE;
         parts->waited |= 1u << place;
         offered->may &= ~(1u << place);
         if (!cover) continue;

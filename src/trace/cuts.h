@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which triangles of a leaf the rays of a packet may hit, by its hull: by outlines (outline.h), then by edges.
+ * Hulls against the triangles of a leaf, and which of these the rays of a packet may hit: by outlines (outline.h), then
+ * by edges.
  *
  * Over a hull, an edge function lies within its value at the middles of the terms, less and plus the sum of
  * |coefficient| radius. By L11 this interval, as computed, misses the edge function of a ray by at most
@@ -18,64 +19,120 @@
 #include "trace/leaf.h"
 #include "trace/outline.h"
 
-/* Bounds edge functions, or D, of a vector of triangles over the hull of a packet; rounding errors come on top. */
-MLRT_INLINE void bound_over_hull(const struct mlrt_hulls *hulls, uint32_t place, const float *constant,
-                                 const float (*coefficient)[MLRT_BVH_LEAF_LIMIT], int term_count, vf *least,
-                                 vf *greatest)
+/* A vector of packets and one triangle, or a vector of triangles and one packet. */
+struct hull_pairs {
+    const struct mlrt_hulls *hulls;
+    const struct mlrt_bundle_leaf *leaf;
+    uint32_t place;    /* of the packet, or of the first */
+    uint32_t triangle; /* the triangle, or the first */
+    int are_packets;
+    int has_places;
+};
+
+/* The numbers of pairs in a row of hulls, and in one of a leaf. */
+MLRT_INLINE vf hull_row(const struct hull_pairs *pairs, const float *row)
 {
-    vf middle = v_load(constant), radius = v_set1(0);
+    return pairs->are_packets ? v_load(row + pairs->place) : v_set1(row[pairs->place]);
+}
+
+MLRT_INLINE vf leaf_row(const struct hull_pairs *pairs, const float *row)
+{
+    return pairs->are_packets ? v_set1(row[pairs->triangle]) : v_load(row + pairs->triangle);
+}
+
+/* Bounds edge functions, or D, over hulls; rounding errors come on top. */
+MLRT_INLINE void bound_over_hulls(const struct hull_pairs *pairs, const float constant[MLRT_BVH_LEAF_LIMIT],
+                                  const float (*coefficient)[MLRT_BVH_LEAF_LIMIT], int term_count, vf *least,
+                                  vf *greatest)
+{
+    const struct mlrt_filter_hulls *filter = &pairs->hulls->filter;
+    vf middle = leaf_row(pairs, constant), radius = v_set1(0);
     MLRT_UNROLL
     for (int i = 0; i < term_count; ++i) {
-        const vf c = v_load(coefficient[i]);
-        middle = v_mul_add(c, v_set1(hulls->filter.middle[i][place]), middle);
-        radius = v_mul_add(v_abs(c), v_set1(hulls->filter.radius[i][place]), radius);
+        const vf c = leaf_row(pairs, coefficient[i]);
+        middle = v_mul_add(c, hull_row(pairs, filter->middle[i]), middle);
+        radius = v_mul_add(v_abs(c), hull_row(pairs, filter->radius[i]), radius);
     }
     *least = v_sub(middle, radius);
     *greatest = v_add(middle, radius);
 }
 
-/* Error bounds of the edge functions of a vector of triangles, for the rays of a packet (L5). */
-MLRT_INLINE vf edge_bounds(const struct mlrt_hulls *hulls, uint32_t place, vf steepness, int has_places)
+MLRT_INLINE void bound_edge(const struct hull_pairs *pairs, int i, vf *least, vf *greatest)
 {
-    const vf bound = v_set1(EDGE_ERROR * hulls->filter.reach[place]);
-    if (!has_places || MLRT_GUESS) return bound;
-    return v_mul_add(steepness, v_set1(hulls->filter.blur[place] * hulls->filter.reach[place]), bound);
+    const struct mlrt_leaf_edges *edges = &pairs->leaf->edges;
+    bound_over_hulls(pairs, edges->constant[i], (const float(*)[MLRT_BVH_LEAF_LIMIT])edges->coefficient[i],
+                     pairs->has_places ? MLRT_RAY_TERMS : 2, least, greatest);
 }
 
+/* Error bounds of edge functions for the rays of packets (L5), so many times. */
+MLRT_INLINE vf edge_bounds(const struct hull_pairs *pairs, float times)
+{
+    const vf reach = hull_row(pairs, pairs->hulls->filter.reach), bound = v_mul(reach, v_set1(times * EDGE_ERROR));
+    if (!pairs->has_places || MLRT_GUESS) return bound;
+    const vf steepness = v_mul(leaf_row(pairs, pairs->leaf->edges.steepness), v_set1(times));
+    return v_mul_add(steepness, v_mul(hull_row(pairs, pairs->hulls->filter.blur), reach), bound);
+}
+
+/* What hulls tell of triangles. */
+struct triangles_of_hulls {
+    vm out;      /* no ray hits the triangle */
+    vm inside;   /* all rays pass inside its edges */
+    vm sure;     /* D has one certain sign for all rays, */
+    vm backward; /* which is -1 */
+    vf least_d;
+    vf greatest_d;
+    vf near; /* where `sure`: depths between which all rays meet its plane (bound_depths, cover.h) */
+    vf far;
+};
+
 /*
- * Returns the triangles of `among` that the rays of a packet may hit. A triangle is left out if all rays pass outside
- * of one edge, and D has one sign; or if all rays pass two edges on different sides. For rays from the waist a hit
- * has no negative edge function (leaf.h, "FROM THE WAIST").
+ * A triangle is left out if all rays pass outside of one edge, and D has one sign; or if all rays pass two edges on
+ * different sides. For rays from the waist a hit has no negative edge function (leaf.h, "FROM THE WAIST"); D is compared
+ * only for vectors of packets then.
  */
+MLRT_INLINE void see_triangles(const struct hull_pairs *pairs, struct triangles_of_hulls *of)
+{
+    const struct mlrt_bundle_leaf *leaf = pairs->leaf;
+    vf lowest = v_set1(INFINITY), highest = v_set1(-INFINITY), inner_low = lowest, inner_high = highest, least,
+       greatest;
+    MLRT_UNROLL
+    for (int i = 0; i < 3; ++i) {
+        bound_edge(pairs, i, &least, &greatest);
+        lowest = v_min(greatest, lowest);
+        highest = v_max(least, highest);
+        inner_low = v_min(least, inner_low);
+        inner_high = v_max(greatest, inner_high);
+    }
+    bound_over_hulls(pairs, leaf->planes.normal[0], (const float(*)[MLRT_BVH_LEAF_LIMIT])leaf->planes.normal + 1, 2,
+                     &least, &greatest);
+    const vf zero = v_set1(0), bound = edge_bounds(pairs, 2);
+    const vf width = v_mul(hull_row(pairs, pairs->hulls->filter.reach), v_set1(2 * PLANE_BOUND));
+    const vm below = v_lt(lowest, v_sub(zero, bound)), above = v_gt(highest, bound);
+    const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(zero, width));
+    if (pairs->has_places) {
+        of->out = m_or(m_and(below, m_or(above, forward)), m_and(above, backward));
+    } else {
+        of->out = pairs->are_packets ? m_or(below, backward) : below;
+    }
+    of->inside = m_and(forward, v_gt(inner_low, bound));
+    if (pairs->has_places) of->inside = m_or(of->inside, m_and(backward, v_lt(inner_high, v_sub(zero, bound))));
+    of->sure = m_or(forward, backward);
+    of->backward = backward;
+    of->least_d = least;
+    of->greatest_d = greatest;
+}
+
+/* Returns the triangles of `among` that the rays of a packet may hit, by their edges. */
 MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                             uint32_t place, int has_places, uint32_t among)
 {
-    const struct mlrt_hulls *hulls = &bundle->hulls;
-    const int term_count = has_places ? MLRT_RAY_TERMS : 2;
     uint32_t met = 0;
-    for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
+    for (uint32_t v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
+        const struct hull_pairs pairs = {&bundle->hulls, leaf, place, v, 0, has_places};
+        struct triangles_of_hulls of;
         if (!(among >> v & ALL_LANES)) continue;
-        vf lowest = v_set1(INFINITY), highest = v_set1(-INFINITY), least, greatest;
-        MLRT_UNROLL
-        for (int i = 0; i < 3; ++i) {
-            bound_over_hull(hulls, place, leaf->edges.constant[i] + v,
-                            (const float(*)[MLRT_BVH_LEAF_LIMIT])(leaf->edges.coefficient[i][0] + v), term_count,
-                            &least, &greatest);
-            lowest = v_min(greatest, lowest);
-            highest = v_max(least, highest);
-        }
-        const vf bound = v_mul(edge_bounds(hulls, place, v_load(leaf->edges.steepness + v), has_places), v_set1(2));
-        if (!has_places) {
-            met |= (~m_bits(v_lt(lowest, v_sub(v_set1(0), bound))) & ALL_LANES) << v;
-            continue;
-        }
-        bound_over_hull(hulls, place, leaf->planes.normal[0] + v,
-                        (const float(*)[MLRT_BVH_LEAF_LIMIT])(leaf->planes.normal[1] + v), 2, &least, &greatest);
-        const vf width = v_set1(2 * PLANE_BOUND * hulls->filter.reach[place]);
-        const vm below = v_lt(lowest, v_sub(v_set1(0), bound)), above = v_gt(highest, bound);
-        const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(v_set1(0), width));
-        const vm out = m_or(m_and(below, m_or(above, forward)), m_and(above, backward));
-        met |= (~m_bits(out) & ALL_LANES) << v;
+        see_triangles(&pairs, &of);
+        met |= (~m_bits(of.out) & ALL_LANES) << v;
     }
     return met & among;
 }

@@ -209,8 +209,8 @@ MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_
     uint32_t changed = 0, met = 0;
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
     COUNT(&worker->counters, lane_test_count, mlrt_count_bits(triangles) * mlrt_count_bits(packet->active));
-    for (int v = 0; v < (has_places ? MLRT_BVH_LEAF_LIMIT : 1); v += VW) {
-        v_store(edges.bound + v, edge_bounds(&bundle->hulls, place, v_load(leaf->edges.steepness + v), has_places));
+    for (uint32_t v = 0; v < (has_places ? MLRT_BVH_LEAF_LIMIT : 1); v += VW) {
+        v_store(edges.bound + v, edge_bounds(&(struct hull_pairs){&bundle->hulls, leaf, place, v, 0, has_places}, 1));
     }
     if (has_places) {
         for (int first = 0; first < PACKET_VECTORS; first += VECTORS_FROM_ANYWHERE) {
