@@ -95,23 +95,12 @@ static MLRT_NOINLINE void check_packet_in_units(uint32_t lanes, float unit, stru
     packet->single = valid & ~packet->active;
 }
 
-/* Copies the nearest hit of a lane from the packet as given to the scaled one. */
-static void scale_nearest(struct mlrt_scaled_packet *scaled, uint32_t lane)
+/* Copies the nearest hit of a lane of a packet to another one, in which t is so many times as large. */
+static void copy_nearest(const struct mlrt_packet *from, uint32_t lane, double times, struct mlrt_packet *to)
 {
-    scaled->rays.nearest.triangle[lane] = scaled->given->nearest.triangle[lane];
-    scaled->rays.nearest.lo[lane] =
-        mlrt_float_down(scaled->given->nearest.lo[lane] * (double)scaled->scales.time[lane]);
-    scaled->rays.nearest.hi[lane] = mlrt_float_up(scaled->given->nearest.hi[lane] * (double)scaled->scales.time[lane]);
-}
-
-/* Copies the nearest hit of a lane from the scaled packet to the one as given. */
-static void unscale_nearest(const struct mlrt_scaled_packet *scaled, uint32_t lane)
-{
-    struct mlrt_packet *given = scaled->given;
-    given->nearest.triangle[lane] = scaled->rays.nearest.triangle[lane];
-    given->nearest.lo[lane] =
-        mlrt_float_down(scaled->rays.nearest.lo[lane] * (double)scaled->scales.inverse_time[lane]);
-    given->nearest.hi[lane] = mlrt_float_up(scaled->rays.nearest.hi[lane] * (double)scaled->scales.inverse_time[lane]);
+    to->nearest.triangle[lane] = from->nearest.triangle[lane];
+    to->nearest.lo[lane] = mlrt_float_down(from->nearest.lo[lane] * times);
+    to->nearest.hi[lane] = mlrt_float_up(from->nearest.hi[lane] * times);
 }
 
 /*
@@ -148,7 +137,8 @@ static MLRT_NOINLINE void take_scaled_hits(const struct mlrt_scaled_packet *scal
 {
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
-        if (scaled->rays.nearest.triangle[lane] != scaled->given->nearest.triangle[lane]) unscale_nearest(scaled, lane);
+        if (scaled->rays.nearest.triangle[lane] == scaled->given->nearest.triangle[lane]) continue;
+        copy_nearest(&scaled->rays, lane, scaled->scales.inverse_time[lane], scaled->given);
     }
 }
 
@@ -161,7 +151,7 @@ static void reload_nearest(struct mlrt_scaled_packet *scaled, uint32_t lanes, ui
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
         scaled->rays.nearest.triangle[lane] = scaled->given->nearest.triangle[lane]; /* a tie may have changed it */
-        if (nearer >> lane & 1) scale_nearest(scaled, lane);
+        if (nearer >> lane & 1) copy_nearest(scaled->given, lane, scaled->scales.time[lane], &scaled->rays);
     }
 }
 
