@@ -9,8 +9,9 @@
  *
  * An integer has a whole number of limbs, in two's complement. Let n limbs have b + 3 bits or more. Then n limbs have
  * room for a difference of two coordinates (below 2^(b + 1)), 2 n for a component of a cross product of differences
- * (below 2^(2 b + 3)), 3 n for a determinant (below 2^(3 b + 6)), and as many limbs as both factors for a product. With limbs of 64 bits n is 1 unless magnitudes differ by more than 2^36. Floats are
- * multiples of 2^-149 below 2^128, so b is at most 301, and the longest product, N1 D2, takes 6 n limbs.
+ * (below 2^(2 b + 3)), 3 n for a determinant (below 2^(3 b + 6)), and as many limbs as both factors for a product. With
+ * limbs of 64 bits n is 1 unless magnitudes differ by more than 2^36. Floats are multiples of 2^-149 below 2^128, so b
+ * is at most 301, and the longest product, N1 D2, takes 6 n limbs.
  *
  * Based on: Donald E. Knuth, "The Art of Computer Programming", volume 2, 1997, section 4.3.1 (algorithms A, S, M).
  */
