@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays that the library makes for callers, who trace them as their own: a camera's, and those that leave a hit, to a light
- * or anywhere.
+ * Rays that the library makes for callers, who trace them as their own: a camera's, and those that leave a hit, to a
+ * light or anywhere.
  */
 #include <math.h>
 #include <string.h>

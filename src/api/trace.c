@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The exported functions that trace arrays of rays, pictures and points. Each checks its arguments, resolves its options,
- * and calls one internal function that does the work.
+ * The exported functions that trace arrays of rays, pictures and points. Each checks its arguments, resolves its
+ * options, and calls one internal function that does the work.
  */
 #include "api/arguments.h"
 #include "api/options.h"

@@ -91,8 +91,8 @@
 #define MLRT_MANY_RAYS       16384
 
 /*
- * Below are settings of the builder of boxes. `sweep.py --trees` compares trees by other values with those by these, all
- * traced by the same kernels; docs/performance.md, "How large leaves are", has the results.
+ * Below are settings of the builder of boxes. `sweep.py --trees` compares trees by other values with those by these,
+ * all traced by the same kernels; docs/performance.md, "How large leaves are", has the results.
  *
  * The builder's cost of each triangle of a leaf, where a leaf costs 1; bvh/build.c has more measurements. Lower costs
  * make larger leaves.

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The binary hierarchy. Its upper sets are cut level by level. All workers of the pool fill the bins of a set that has
- * much of its level; the other sets of the level are cut by one worker each. Below them are subtrees (tasks), each built
- * by one worker.
+ * much of its level; the other sets of the level are cut by one worker each. Below them are subtrees (tasks), each
+ * built by one worker.
  */
 #include "bvh/build.h"
 

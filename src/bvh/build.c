@@ -34,8 +34,8 @@ static const struct mlrt_bvh_preset PRESETS[] = {
 
 /*
  * A leaf costs about as much as a node, however many triangles it has, since both are tested sixteen wide. A packet of
- * 4x4 on its own visits 6.08 nodes and leaves (geometric mean of seven scenes). With leaf costs of 0.7 and 1.5 it visits
- * 6.11 and 6.12; with smaller leaves, by a cost of each quad or 0.08 for each triangle, 6.25 to 6.42.
+ * 4x4 on its own visits 6.08 nodes and leaves (geometric mean of seven scenes). With leaf costs of 0.7 and 1.5 it
+ * visits 6.11 and 6.12; with smaller leaves, by a cost of each quad or 0.08 for each triangle, 6.25 to 6.42.
  * docs/performance.md, "How large leaves are", has the speed with other costs.
  */
 static const struct mlrt_bvh_costs COSTS = {1, MLRT_TRIANGLE_COST};

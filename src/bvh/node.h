@@ -20,8 +20,8 @@
  *       (unit.h) are NaN too.
  *
  * Leaves have the corners of their triangles, so the tree keeps no other copy, but for each triangle a place in a leaf.
- * Triangles that no leaf has, or none as they were given, have places in quads of their own behind those of leaves: those
- * that are left out, and odd ones (unit.h). A hierarchy of MLRT_PLACE_QUADS quads and more keeps the array
+ * Triangles that no leaf has, or none as they were given, have places in quads of their own behind those of leaves:
+ * those that are left out, and odd ones (unit.h). A hierarchy of MLRT_PLACE_QUADS quads and more keeps the array
  * tree->triangles, and has no places.
  *
  *   P1. If tree->bvh.places is not NULL, the place of triangle i is in the first bvh.quad_count quads, and bvh.numbers
@@ -73,10 +73,10 @@ static inline uint32_t mlrt_bvh_offset(uint32_t child)
 /* ---- build.c ------------------------------------------------------------------------------------------------------ */
 
 /*
- * On entry, tree->triangles and triangle_count are set and the rest is 0, `options` is checked, and the
- * floating-point environment is the library's. Returns a status. With MLRT_OK, tree->bvh, bounds and tree->info are set,
- * except what of info the caller knows. After an error the hierarchy is empty, and tree->memory holds what it held on
- * entry. MLRT_ERROR_TOO_LARGE: more nodes or quads than there are bits for. Adds about MLRT_BVH_WORK per triangle to
+ * On entry, tree->triangles and triangle_count are set and the rest is 0, `options` is checked, and the floating-point
+ * environment is the library's. Returns a status. With MLRT_OK, tree->bvh, bounds and tree->info are set, except what
+ * of info the caller knows. After an error the hierarchy is empty, and tree->memory holds what it held on entry.
+ * MLRT_ERROR_TOO_LARGE: more nodes or quads than there are bits for. Adds about MLRT_BVH_WORK per triangle to
  * `progress` (NULL = none).
  */
 int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options, struct mlrt_progress *progress);

@@ -16,8 +16,8 @@ static void scale_reference(float unit, struct mlrt_quad_box *reference)
 }
 
 /*
- * A reference to a whole triangle: the box of mlrt_bound_triangle. The last vertex is read from one float earlier, so as
- * not to read past it. A vector load that waited for the store of a single float would take as long as all of this.
+ * A reference to a whole triangle: the box of mlrt_bound_triangle. The last vertex is read from one float earlier, so
+ * as not to read past it. A vector load that waited for the store of a single float would take as long as all of this.
  */
 MLRT_INLINE struct mlrt_quad_box reference_of(const struct mlrt_triangle *triangle, uint32_t number)
 {

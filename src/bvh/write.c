@@ -140,9 +140,9 @@ static void enter_node(const struct mlrt_binary_node *node, struct mlrt_tree *tr
 
 /*
  * Writes what binary node `number` and all below it become, in the cheapest way that takes at most `slots` slots of a
- * node above, into tree->bvh, which has room for it; not all of it if the call is cancelled. Moves the cursor behind it.
- * The forests from *next on, which end with one of no node, are left out: sets `slots` and `from` of each, and moves the
- * cursor by its size.
+ * node above, into tree->bvh, which has room for it; not all of it if the call is cancelled. Moves the cursor behind
+ * it. The forests from *next on, which end with one of no node, are left out: sets `slots` and `from` of each, and
+ * moves the cursor by its size.
  */
 static void write_slots(struct mlrt_bvh_build *build, uint32_t number, uint32_t slots, struct mlrt_forest **next,
                         struct mlrt_bvh_cursor *cursor)

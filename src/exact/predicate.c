@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The judge of every hit: signs of the hit rule, in double with a bound on the error; exactly where that is not certain.
+ * The judge of every hit: signs of the hit rule, in double with a bound on the error; exactly where that is not
+ * certain.
  *
  * Based on: Jonathan Richard Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
  * Predicates", 1997 (filter, then exact).

@@ -30,8 +30,8 @@ void mlrt_bound_distance(const struct mlrt_ray_segment *ray, const struct mlrt_t
 
 /*
  * Rule R5: sets t, u and v of a hit, each the exact quotient rounded once to the nearest float (ties to even), and
- * facing, as far as `outputs` asks for them (MLRT_OUTPUT_T, _UV, _FACING or-ed together). The ray must hit the triangle;
- * so t, u, v are not negative. The other fields stay as they are.
+ * facing, as far as `outputs` asks for them (MLRT_OUTPUT_T, _UV, _FACING or-ed together). The ray must hit the
+ * triangle; so t, u, v are not negative. The other fields stay as they are.
  */
 void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, uint32_t outputs,
                      mlrt_hit *hit);

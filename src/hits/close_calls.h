@@ -10,10 +10,10 @@
  *
  * The size s(x) of a determinant is the sum of the magnitudes of its six products. It is computed in the same way as
  * the determinant, with all factors and sums positive. (It is not the product of the sizes of its vectors.) As in
- * determinants.h, with u = 2^-53, a determinant as computed is off by at most gamma_8 times the true size (e_bc: gamma_9
- * times the sum of three). A size as computed has at most 8 factors (e_bc: 10), so it is at least (1 - u)^10 of the
- * true one. That makes 8.001 u and 9.001 u of the computed size. If a size is 0, all six products are 0, and so is the
- * determinant: nothing here underflows (determinants.h, "RANGE").
+ * determinants.h, with u = 2^-53, a determinant as computed is off by at most gamma_8 times the true size (e_bc:
+ * gamma_9 times the sum of three). A size as computed has at most 8 factors (e_bc: 10), so it is at least (1 - u)^10 of
+ * the true one. That makes 8.001 u and 9.001 u of the computed size. If a size is 0, all six products are 0, and so is
+ * the determinant: nothing here underflows (determinants.h, "RANGE").
  *
  * BOUNDS. In signs that make D positive, let E = 12 u s(N) and W = 12 u s(D). N -+ E and D -+ W have one more rounding
  * each, of at most 1.001 u of the size, and that of the bound, of less than 0.001 u: so they are bounds of the true
@@ -261,7 +261,8 @@ MLRT_INLINE void keep_close_hits(uint32_t number, uint32_t nearer, const struct 
 /*
  * Decides `lanes` that have no hit yet, and surely hit the triangle unless they end before it. Rays from a light often
  * end in the plane of a wall; if that plane is across an axis, mlrt_reaches_flat decides whether they reach the
- * triangle. Returns the lanes that reach it, and adds to *passed those that end before it. Other lanes remain undecided.
+ * triangle. Returns the lanes that reach it, and adds to *passed those that end before it. Other lanes remain
+ * undecided.
  */
 static MLRT_NOINLINE uint32_t find_lanes_at_end(const struct mlrt_triangle *triangle, const struct mlrt_packet *packet,
                                                 uint32_t lanes, uint32_t *passed)

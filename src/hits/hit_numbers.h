@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * t, u, v and facing of the hits of a packet (rule R5), a vector of doubles at a time, or of one ray. The bits are those
- * of the judge (mlrt_report_hit), since each number is the float nearest to the same exact quotient.
+ * t, u, v and facing of the hits of a packet (rule R5), a vector of doubles at a time, or of one ray. The bits are
+ * those of the judge (mlrt_report_hit), since each number is the float nearest to the same exact quotient.
  *
  * With p = a - o, the determinants are those at the head of determinants.h:
  *
@@ -9,9 +9,9 @@
  *                                N = p . normal     e_ab = (a-b) . (p x d) = d . ((a-b) x p)
  *
  * Count the factors (1 + delta) of each. A component of a cross product has one for its product, one for its
- * difference, and those of its operands: 1 for a side or p, none for d. The dot product adds those of its other
- * vector, one product and at most two sums. So there are 7 factors, for N 8, as in determinants.h, and the errors are at
- * most 8.001 u of the sizes. With fused multiply-add there are fewer.
+ * difference, and those of its operands: 1 for a side or p, none for d. The dot product adds those of its other vector,
+ * one product and at most two sums. So there are 7 factors, for N 8, as in determinants.h, and the errors are at most
+ * 8.001 u of the sizes. With fused multiply-add there are fewer.
  *
  * WIDTHS. Let X and D be the determinants as computed, x and d the true ones, and s(X) and s(D) upper bounds of their
  * sizes, since all lanes of a packet share one bound of |d_0| + |d_1| + |d_2|. Where s(D) < 2^12 |D| is not certain,
@@ -341,8 +341,8 @@ MLRT_INLINE int round_quotient(double quotient, double width, float *rounded)
 }
 
 /*
- * The numbers of one ray's hit, in plain doubles: equal lanes of vectors would gain nothing. Returns 0 if the judge has to
- * compute them; then those in *hit have no meaning.
+ * The numbers of one ray's hit, in plain doubles: equal lanes of vectors would gain nothing. Returns 0 if the judge has
+ * to compute them; then those in *hit have no meaning.
  */
 MLRT_INLINE int report_one_ray(const struct mlrt_corners *of, const float origin[3], const float direction[3],
                                mlrt_hit *hit)

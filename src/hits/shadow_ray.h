@@ -65,8 +65,8 @@ void mlrt_find_surface(const struct mlrt_source *light, const struct mlrt_triang
                        struct mlrt_surface *surface);
 
 /*
- * The terms of a triangle, for the rays of a picture with one eye. A worker keeps them during a call, since neighbouring
- * packets hit the same triangles.
+ * The terms of a triangle, for the rays of a picture with one eye. A worker keeps them during a call, since
+ * neighbouring packets hit the same triangles.
  */
 struct mlrt_kept_surface {
     const struct mlrt_job *light; /* NULL = empty entry */
@@ -95,9 +95,9 @@ int mlrt_make_shadow_ray(const struct mlrt_source *light, const struct mlrt_tria
                          const struct mlrt_ray_segment *ray, int *faces, struct mlrt_ray_segment *shadow);
 
 /*
- * Likewise for a lane of a packet for which the conditions above do not hold. `ends` receives the direction from a point
- * light, or the origin of the ray to a directional one; without a ray, zeros. Returns the lane's bit if the light is on
- * the ray's side.
+ * Likewise for a lane of a packet for which the conditions above do not hold. `ends` receives the direction from a
+ * point light, or the origin of the ray to a directional one; without a ray, zeros. Returns the lane's bit if the light
+ * is on the ray's side.
  */
 uint32_t mlrt_make_shadow_lane(const struct mlrt_job *job, const struct mlrt_packet *seen, uint32_t lane,
                                float (*ends)[MLRT_PACKET_RAYS]);

@@ -42,8 +42,8 @@ static inline uint32_t mlrt_settle_tie(uint32_t number, uint32_t nearest, uint32
 }
 
 /*
- * Settles the ties of those of `lanes` whose nearest hits lie in the plane of triangle `number`: by comparing triangles,
- * or without a tree, as far as the worker's table knows. Returns the lanes that are settled.
+ * Settles the ties of those of `lanes` whose nearest hits lie in the plane of triangle `number`: by comparing
+ * triangles, or without a tree, as far as the worker's table knows. Returns the lanes that are settled.
  */
 uint32_t mlrt_settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
                           struct mlrt_packet *packet, struct mlrt_worker *worker);
@@ -56,9 +56,9 @@ uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32
                            struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters);
 
 /*
- * Decides whether one ray hits the triangles numbers[i], for each bit i of `undecided`; it surely passes inside the edges
- * of those in `inside`, and double was tried in vain for those in `tried`. Returns 1 if one of them became a nearer hit.
- * With a query for any hit, the first hit ends it.
+ * Decides whether one ray hits the triangles numbers[i], for each bit i of `undecided`; it surely passes inside the
+ * edges of those in `inside`, and double was tried in vain for those in `tried`. Returns 1 if one of them became a
+ * nearer hit. With a query for any hit, the first hit ends it.
  */
 int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided, uint32_t inside,
                           uint32_t tried, uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker,

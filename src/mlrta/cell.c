@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Builds cells of the kd-tree: asks split.c for a plane, partitions the references of the cell by it, builds both sides,
- * and keeps the subtree only if it pays.
+ * Builds cells of the kd-tree: asks split.c for a plane, partitions the references of the cell by it, builds both
+ * sides, and keeps the subtree only if it pays.
  *
  * Based on: Alexander Reshetov, Alexei Soupikov, Jim Hurley, "Multi-Level Ray Tracing Algorithm", 2005, section 3.1.
  * Wenzel Jakob, Mitsuba renderer, 2010 (bad refinements and retraction).

@@ -106,7 +106,8 @@ static uint32_t find_first_cover(const uint32_t *entries, uint32_t count, const 
 
 /*
  * Ends the beam's region at the triangles of a leaf that cover the beam. Returns the one that all rays hit before any
- * other of the leaf; MLRT_NONE if that is certain of none, if rays may end before it, or if whole tiles are switched off.
+ * other of the leaf; MLRT_NONE if that is certain of none, if rays may end before it, or if whole tiles are switched
+ * off.
  */
 static uint32_t look_for_cover(const struct mlrt_job *job, const struct entry_point *leaf, struct mlrt_beam *beam)
 {

@@ -50,9 +50,9 @@ struct entry_list {
 #define NO_OUTLINES 3 /* the axis code of no group */
 
 /*
- * Searches from *entry, where all rays of the beam may start. Returns 1 if *entry has become the deepest such node, with
- * the part of its cell that is in the beam's region. Returns 0 if the beam is done: *cover is the triangle on which all
- * rays have their first hit, or MLRT_NONE if none hits a triangle. The search counts.
+ * Searches from *entry, where all rays of the beam may start. Returns 1 if *entry has become the deepest such node,
+ * with the part of its cell that is in the beam's region. Returns 0 if the beam is done: *cover is the triangle on
+ * which all rays have their first hit, or MLRT_NONE if none hits a triangle. The search counts.
  */
 int mlrt_find_entry_point(const struct mlrt_job *job, struct mlrt_beam *beam, struct entry_point *entry,
                           uint32_t *cover, mlrt_counters *counters);

@@ -8,7 +8,8 @@
 
 /*
  * Intersection cost: with 1, 2.5, 8 a 4x4 packet from the root visits 55.9, 58.3, 59.6 cells of conference and tests
- * 5.2, 4.1, 3.8 triangles, by 3.2, 6.1, 8.7 nodes per triangle. So leaves that are smaller than those of 2.5 do not pay.
+ * 5.2, 4.1, 3.8 triangles, by 3.2, 6.1, 8.7 nodes per triangle. So leaves that are smaller than those of 2.5 do not
+ * pay.
  *
  * Empty factor: expected costs for 1, 0.9, 0.8, 0.7 differ by less than 1 %.
  *

@@ -6,8 +6,8 @@
 #include "mlrt.h"
 
 /*
- * A view is a camera that was checked, with its defaults resolved: the size of the crop, t_min >= 0, and a t_max that is
- * inf without a limit. Pixel (0, 0) is the first of the crop.
+ * A view is a camera that was checked, with its defaults resolved: the size of the crop, t_min >= 0, and a t_max that
+ * is inf without a limit. Pixel (0, 0) is the first of the crop.
  *
  * Sets the view of a camera, whose struct_size is right. Returns a status.
  */

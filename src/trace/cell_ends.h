@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where the rays of cells end or begin, cells being tiles of the caller's arrays without rays (array_cells.h): rays to a
- * light end on the surface that it shines on, and parallel rays begin there. Depths do not tell on which side of such a
- * surface that is, and where a wall is there twice, neighbouring rays skip different triangles.
+ * Where the rays of cells end or begin, cells being tiles of the caller's arrays without rays (array_cells.h): rays to
+ * a light end on the surface that it shines on, and parallel rays begin there. Depths do not tell on which side of such
+ * a surface that is, and where a wall is there twice, neighbouring rays skip different triangles.
  *
  * The ends of all rays of a cell lie in a box, and in a slab that is parallel to a plane which the cell met. Both
  * together tell the side of any plane that is nearly parallel to an axis or to the slab (L21 of docs/accuracy.md,

@@ -27,13 +27,13 @@
  * BEGINS AND ENDS (L15). Rays begin on surfaces, and end on them. Whether they reach a triangle there is decided in
  * double, lane by lane (plane_sides.h); for tiles of arrays, whose rays are not made, by cell_ends.h.
  *
- * COVERS OF SEVERAL TRIANGLES (L22). Where any hit will do, a cell of arrays stays closed although a triangle hides only
- * some of its rays: cover_parts.c finds out whether others hide the rest. If not, it is opened at the end.
+ * COVERS OF SEVERAL TRIANGLES (L22). Where any hit will do, a cell of arrays stays closed although a triangle hides
+ * only some of its rays: cover_parts.c finds out whether others hide the rest. If not, it is opened at the end.
  *
  * CELLS OF A LIGHT (L20). The rays of such a packet skip a triangle S, and end before its plane, on the light's side
- * (shadow_ray.h). The hull contains the direction to a point of S, and D of S has one sign over it (add_order_by_line). So all
- * rays go towards S, and end at a t below that of S. A triangle that is met behind S, by the line, or that lies in the
- * plane of S, is not hit.
+ * (shadow_ray.h). The hull contains the direction to a point of S, and D of S has one sign over it (add_order_by_line).
+ * So all rays go towards S, and end at a t below that of S. A triangle that is met behind S, by the line, or that lies
+ * in the plane of S, is not hit.
  *
  * Based on: Reshetov et al. 2005, section 4.1 (an object that every possible ray hits ends the search).
  */
@@ -300,8 +300,8 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
 }
 
 /*
- * Sets open[i], for the packets of a vector, to those inside of whose edge i not all rays are known to pass. D has one sign
- * for each, which is -1 for those that are `backward`.
+ * Sets open[i], for the packets of a vector, to those inside of whose edge i not all rays are known to pass. D has one
+ * sign for each, which is -1 for those that are `backward`.
  */
 static MLRT_NOINLINE void find_open_edges(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                           uint32_t triangle, int v, uint32_t backward, uint32_t open[3])

@@ -39,8 +39,8 @@ static uint32_t find_shared(const struct mlrt_open_edge *edges, uint32_t count)
 }
 
 /*
- * Adds a triangle to a cell, whose bit in open[i] tells whether edge i is open. Returns the edges of a cover of which it
- * is the last part, or 0.
+ * Adds a triangle to a cell, whose bit in open[i] tells whether edge i is open. Returns the edges of a cover of which
+ * it is the last part, or 0.
  */
 static uint32_t add_to_cell(const struct mlrt_bundle_leaf *leaf, uint32_t triangle, int is_backward,
                             const uint32_t open[3], uint32_t place, struct mlrt_cell_parts *cell)

@@ -87,8 +87,8 @@ struct triangles_of_hulls {
 
 /*
  * A triangle is left out if all rays pass outside of one edge, and D has one sign; or if all rays pass two edges on
- * different sides. For rays from the waist a hit has no negative edge function (leaf.h, "FROM THE WAIST"); D is compared
- * only for vectors of packets then.
+ * different sides. For rays from the waist a hit has no negative edge function (leaf.h, "FROM THE WAIST"); D is
+ * compared only for vectors of packets then.
  */
 MLRT_INLINE void see_triangles(const struct hull_pairs *pairs, struct triangles_of_hulls *of)
 {

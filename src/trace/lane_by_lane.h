@@ -13,19 +13,19 @@
  * HULLS. Before the lanes of a node are tested, its boxes are compared with a hull of all lanes, if that is narrow.
  * Along an axis where the signs of all directions agree, the hull is the intervals of origins and of reciprocals: the
  * product of a difference and a reciprocal lies between those of the intervals' ends, and roundings are monotone. Along
- * another axis, the hull is the interval of all coordinates on the rays, from o to e = o + t d for the t where they end,
- * or everything if they do not end. As computed, t d is off by 1.001 u of itself, so of |o| + |e|, and by 2^-150, and
- * the sum by u |e|. So e is moved outward by 4 u (|o| + |e|) + 2^-126. This also covers the rounding of the moved end, u
- * of itself. If e is infinite, the sum or the difference is a NaN, which v_min and v_max drop: then o is the end, which
- * is right.
+ * another axis, the hull is the interval of all coordinates on the rays, from o to e = o + t d for the t where they
+ * end, or everything if they do not end. As computed, t d is off by 1.001 u of itself, so of |o| + |e|, and by 2^-150,
+ * and the sum by u |e|. So e is moved outward by 4 u (|o| + |e|) + 2^-126. This also covers the rounding of the moved
+ * end, u of itself. If e is infinite, the sum or the difference is a NaN, which v_min and v_max drop: then o is the
+ * end, which is right.
  *
  * TRIANGLES. The arithmetic and its bounds are those of triangle_test.h, with the greatest |d_k| of all lanes for m.
  *
  * OUT OF REACH. Let rays of one origin end at T at the latest, and let s be the sign of N. Then none of them hits the
- * triangle if |N| > T max(0, s D) for all of them: either s D <= 0, so the ray never comes to the plane, or
- * t = |N| / (s D) > T. The greatest s D is the sum of the greater products of s n_k with the ends of the interval of all
- * d_k. Roundings are monotone, so this is the D, as computed, of a direction whose components are such ends and at most
- * m: it has the 7 roundings of D, and the bounds of N and D serve, as in compare_distances. If a product overflows, so
+ * triangle if |N| > T max(0, s D) for all of them: either s D <= 0, so the ray never comes to the plane, or t = |N| /
+ * (s D) > T. The greatest s D is the sum of the greater products of s n_k with the ends of the interval of all d_k.
+ * Roundings are monotone, so this is the D, as computed, of a direction whose components are such ends and at most m:
+ * it has the 7 roundings of D, and the bounds of N and D serve, as in compare_distances. If a product overflows, so
  * does 4 m G H in the bound of D, and the comparison is false.
  *
  * Based on: I. Wald, C. Benthin, P. Slusallek, "Interactive Rendering with Coherent Ray Tracing", 2001 (packets against
@@ -405,8 +405,8 @@ MLRT_INLINE void store_cross_product(const vf cross[3], uint32_t v, float (*rows
 }
 
 /*
- * The triangles of a vector whose planes no ray reaches up to `farthest`: see "OUT OF REACH" above. `test` has N and the
- * bounds of N and D.
+ * The triangles of a vector whose planes no ray reaches up to `farthest`: see "OUT OF REACH" above. `test` has N and
+ * the bounds of N and D.
  */
 MLRT_INLINE uint32_t planes_out_of_reach(const struct lanes_hull *hull, const struct triangles_from_origin *terms,
                                          uint32_t v, const struct float_test *test, float farthest)

@@ -396,8 +396,9 @@ MLRT_INLINE int settle_places(const struct mlrt_job *job, const uint32_t *number
 }
 
 /*
- * Decides the triangles at `places` of a vector for a lane, given edge functions and D. Sets the rest of *test. `to` goes
- * from the origin to corners a. Sets *nearest if the nearest hit changes. Returns 1 if a query for any hit has one.
+ * Decides the triangles at `places` of a vector for a lane, given edge functions and D. Sets the rest of *test. `to`
+ * goes from the origin to corners a. Sets *nearest if the nearest hit changes. Returns 1 if a query for any hit has
+ * one.
  */
 MLRT_INLINE int settle_vector(const struct mlrt_job *job, const vf term[SIDE_TERMS], const vf to[3], vf t_min,
                               const float *corners, uint32_t row, uint32_t places, const uint32_t *numbers,

@@ -96,8 +96,8 @@ static MLRT_NOINLINE void update_bundle(struct mlrt_bundle *bundle, uint32_t pla
 }
 
 /*
- * Divides the active rays of a packet in two parts where they are far from each other: it lies across an edge of what is
- * seen. Returns the rays of one part, or 0 if there is no such gap. `depth` is where rays are compared.
+ * Divides the active rays of a packet in two parts where they are far from each other: it lies across an edge of what
+ * is seen. Returns the rays of one part, or 0 if there is no such gap. `depth` is where rays are compared.
  */
 static uint32_t find_part(const struct mlrt_bundle *bundle, uint32_t place, float depth)
 {

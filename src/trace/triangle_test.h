@@ -31,13 +31,13 @@
  * Nothing here is scaled, but for the units (units.h). The corners of an odd triangle are NaN, and so are all numbers
  * computed from them. A comparison with a NaN is false, so the triangle is undecided.
  *
- * Underflow: a product loses 2^-150 at most; in n, r and the products with p that is 2^-149 for a component, and S, G, H
- * and 3 m are less than 2^63: so 2^-84 covers it, and DISTANCE_FLOOR = 2^-82 is added to each of the bounds. The
+ * Underflow: a product loses 2^-150 at most; in n, r and the products with p that is 2^-149 for a component, and S, G,
+ * H and 3 m are less than 2^63: so 2^-84 covers it, and DISTANCE_FLOOR = 2^-82 is added to each of the bounds. The
  * quotients that become t lose 2^-149, and D may be large here: for them, 2^-60 m G H is added to the bound of N.
  *
- * Overflow: cross products are at most 2^124, as magnitudes are 2^60 at most. If another number exceeds 2^126, its bound
- * overflows, because it is multiplied by 4 on the way. Then everything is undecided: no decision uses <= or >=, which
- * would hold between infinities. So scenes much smaller than 2^-20 or larger than 2^40 are slow here, not wrong.
+ * Overflow: cross products are at most 2^124, as magnitudes are 2^60 at most. If another number exceeds 2^126, its
+ * bound overflows, because it is multiplied by 4 on the way. Then everything is undecided: no decision uses <= or >=,
+ * which would hold between infinities. So scenes much smaller than 2^-20 or larger than 2^40 are slow here, not wrong.
  *
  * Based on: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997.
  */
