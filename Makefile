@@ -330,7 +330,7 @@ reproduce: | $(AFTER_DEPS)
 # measure-NAME writes docs/data/NAME.csv by the command DATA_NAME, and what it was measured on to docs/data/measured.csv; files
 # of this machine and commit stay (examples/common/measure.sh). `make measure` goes through all, the most important first, and
 # on after failures. The scenes are the procedural ones, and those of SCENES. Numbers of rays are per generator and scene, and
-# per value of a sweep.
+# per value of a sweep. RUNS: of each contender in turns; LIVES: of the libraries that bench-avx512, bench-avx2 and price compare.
 STUDY_RAYS ?= 131072
 SWEEP_RAYS ?= 8192
 RUNS ?= 3

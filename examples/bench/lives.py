@@ -7,10 +7,9 @@
 runs PROGRAM, which prints CSV (bench --csv, say), N times, one after the other, and prints its lines once: texts and whole numbers as
 they are, which must agree, and the median of each number with a decimal point. On stderr: how far apart the runs' numbers lie.
 
-Where the pages of a shared object lie in memory moves its speed. A file stays where it is as long as the system caches it, so all
-programs that load it share this chance. So each time, all libraries that take part are copied to a folder of their own: that of
-build/, Embree, and another build of the library after --against. Besides, what else happens on a machine for some minutes moves one
-life only.
+What else happens on a machine for some minutes moves one life only. Besides, where the pages of a shared object lie in memory can
+move its speed, and a file stays where it is as long as the system caches it. So each time, all libraries that take part are copied to
+a folder of their own: that of build/, Embree, and another build of the library after --against.
 """
 import argparse
 import csv

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * mlrt_trace_ray: one ray a call. A usual call does nothing that its ray does not need; what other arguments need lies
- * in functions that it leaves for.
+ * mlrt_trace_ray: one ray a call. A usual call does nothing that its ray does not need; calls with other arguments have
+ * functions of their own.
  */
 #include <string.h>
 

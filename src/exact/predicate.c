@@ -214,6 +214,6 @@ int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triang
     for (int i = 0; i < 3; ++i)
         if (certain_side(first, second->v[i], NOWHERE) != 0) return 0;
     for (int i = 0; i < 3; ++i)
-        if (mlrt_side_of_plane(first, second->v[i]) != 0) return 0;
+        if (mlrt_exact_sign_beyond(second->v[i], NOWHERE, first, 1) != 0) return 0;
     return 1;
 }
