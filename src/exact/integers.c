@@ -203,8 +203,10 @@ static int count_limbs(const struct extent *extent)
 
 static double scale_of(const struct extent *extent, int count)
 {
-    const uint64_t bits = (uint64_t)(2 * 1023 + 24 - extent->least - (count - 1) * LIMB_BITS) << 52;
+    const int exponent = 2 * 1023 + 24 - extent->least - (count - 1) * LIMB_BITS;
+    const uint64_t bits = (uint64_t)exponent << 52;
     double scale;
+    assert(exponent > 0 && exponent < 2047);
     memcpy(&scale, &bits, sizeof scale);
     return scale;
 }
