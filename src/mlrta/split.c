@@ -84,27 +84,6 @@ int mlrt_find_empty_side(const struct mlrt_content *content, struct mlrt_split *
 /* The areas of triangles that cover a rectangle add up to its area but for rounding errors, far below 2^-20 of it. */
 #define COVERED (1 - 0x1p-20)
 
-/* Planar area is first summed in this many slices. Few slices have enough, and only planes in these are measured. */
-#define SLICE_COUNT 64
-
-struct slicing {
-    double start;
-    double scale;
-};
-
-/* Slices, and bins, have numbers that never decrease with x (slice_of), so that counts of whole slices are exact. */
-static struct slicing cut_slices(double lo, double hi, int count)
-{
-    struct slicing slicing = {lo, count / (hi - lo)};
-    return slicing;
-}
-
-MLRT_INLINE int slice_of(const struct slicing *slicing, float x, int count)
-{
-    int slice = (int)((x - slicing->start) * slicing->scale);
-    return slice < count ? slice : count - 1;
-}
-
 /* The area that triangles in a plane across the axis must have. */
 static double enough_area(const struct mlrt_content *content, uint32_t axis)
 {
@@ -117,25 +96,13 @@ static int may_be_covered_along(const struct mlrt_content *content, uint32_t axi
     return extent(content->cell, axis) > 0 && enough > 0 && content->planar_area[axis] >= enough;
 }
 
-/*
- * Stores the positions of planar references in `keys`, ascending and each once, if their slices have enough area.
- * Returns the number of positions.
- */
+/* Stores the positions of planar references in `keys`, ascending and each once. Returns the number of positions. */
 static size_t gather_planes(const struct mlrt_content *content, uint32_t axis, uint32_t *keys)
 {
-    const struct slicing slicing = cut_slices(content->cell->lo[axis], content->cell->hi[axis], SLICE_COUNT);
-    const double enough = enough_area(content, axis);
-    double slice_area[SLICE_COUNT] = {0};
     size_t key_count = 0;
     for (size_t i = 0; has_next(content, i); i++) {
         const struct mlrt_box *box = &content->references[i].box;
-        if (is_planar(box, axis))
-            slice_area[slice_of(&slicing, box->lo[axis], SLICE_COUNT)] += cross_section(box, axis);
-    }
-    for (size_t i = 0; has_next(content, i); i++) {
-        const struct mlrt_box *box = &content->references[i].box;
-        if (is_planar(box, axis) && slice_area[slice_of(&slicing, box->lo[axis], SLICE_COUNT)] >= enough)
-            keys[key_count++] = mlrt_float_key(box->lo[axis]);
+        if (is_planar(box, axis)) keys[key_count++] = mlrt_float_key(box->lo[axis]);
     }
     return mlrt_sort_unique_keys(keys, keys + key_count, key_count);
 }
@@ -305,24 +272,36 @@ static void sweep_events(const struct sweep *sweep, const struct events *events,
 /* Bins per axis: the planes between them are tried first, then the events in the two bins beside the best plane. */
 #define BIN_COUNT 256
 
-/* 1 if x lies in one of two neighbouring bins; without `slicing`, always. */
-MLRT_INLINE int is_in_bins(const struct slicing *slicing, int first_bin, float x)
+/* The bins of an axis. Their numbers never decrease with x (bin_of), so that counts of whole bins are exact. */
+struct binning {
+    double start;
+    double scale;
+};
+
+MLRT_INLINE int bin_of(const struct binning *binning, float x)
 {
-    return slicing == NULL || (unsigned)(slice_of(slicing, x, BIN_COUNT) - first_bin) < 2;
+    const int bin = (int)((x - binning->start) * binning->scale);
+    return bin < BIN_COUNT ? bin : BIN_COUNT - 1;
+}
+
+/* 1 if x lies in one of two neighbouring bins; without `binning`, always. */
+MLRT_INLINE int is_in_bins(const struct binning *binning, int first_bin, float x)
+{
+    return binning == NULL || (unsigned)(bin_of(binning, x) - first_bin) < 2;
 }
 
 /*
- * Gathers the events along an axis; with `slicing`, those in the bins first_bin and first_bin + 1. Starts are stored
+ * Gathers the events along an axis; with `binning`, those in the bins first_bin and first_bin + 1. Starts are stored
  * from keys[0] up, planars from keys[count - 1] down, and ends from keys[count] up.
  */
-static struct events gather_events(const struct mlrt_content *content, uint32_t axis, const struct slicing *slicing,
+static struct events gather_events(const struct mlrt_content *content, uint32_t axis, const struct binning *binning,
                                    int first_bin, uint32_t *keys)
 {
     uint32_t *middle = keys + content->count;
     struct events events = {keys, middle, middle, 0, 0, 0};
     for (size_t i = 0; has_next(content, i); i++) {
         const float lo = content->references[i].box.lo[axis], hi = content->references[i].box.hi[axis];
-        const int starts = is_in_bins(slicing, first_bin, lo), ends = is_in_bins(slicing, first_bin, hi);
+        const int starts = is_in_bins(binning, first_bin, lo), ends = is_in_bins(binning, first_bin, hi);
         if (lo == hi) {
             if (!starts) continue;
             *--events.planars = mlrt_float_key(lo);
@@ -355,7 +334,7 @@ void mlrt_find_exact_split(const struct mlrt_cost_model *model, const struct mlr
 
 /* The number of references that start and end in each bin of an axis. */
 struct bins {
-    struct slicing slicing;
+    struct binning binning;
     uint32_t starts[BIN_COUNT];
     uint32_t ends[BIN_COUNT];
 };
@@ -363,17 +342,18 @@ struct bins {
 static void fill_bins(const struct mlrt_content *content, uint32_t axis, struct bins *bins)
 {
     memset(bins, 0, sizeof *bins);
-    bins->slicing = cut_slices(content->bounds.lo[axis], content->bounds.hi[axis], BIN_COUNT);
+    bins->binning.start = content->bounds.lo[axis];
+    bins->binning.scale = BIN_COUNT / extent(&content->bounds, axis);
     for (size_t i = 0; has_next(content, i); i++) {
-        bins->starts[slice_of(&bins->slicing, content->references[i].box.lo[axis], BIN_COUNT)]++;
-        bins->ends[slice_of(&bins->slicing, content->references[i].box.hi[axis], BIN_COUNT)]++;
+        bins->starts[bin_of(&bins->binning, content->references[i].box.lo[axis])]++;
+        bins->ends[bin_of(&bins->binning, content->references[i].box.hi[axis])]++;
     }
 }
 
 /* The cheapest bin boundary. */
 struct boundary {
     double cost;
-    struct slicing slicing;
+    struct binning binning;
     uint32_t axis;
     int bin;            /* above it; 0 = there is none */
     size_t below_count; /* of references that start below bin - 1 */
@@ -386,10 +366,10 @@ static void offer_boundaries(const struct sweep *sweep, const struct bins *bins,
     size_t below_count = 0, above_count = count;
     for (int bin = 1; bin < BIN_COUNT; bin++) {
         const uint32_t started = bins->starts[bin - 1], ended = bins->ends[bin - 1];
-        const double position = bins->slicing.start + bin / bins->slicing.scale;
+        const double position = bins->binning.start + bin / bins->binning.scale;
         const double cost = cost_at(sweep, position, below_count + started, above_count - ended);
         if (cost < best->cost)
-            *best = (struct boundary){cost, bins->slicing, sweep->axis, bin, below_count, above_count};
+            *best = (struct boundary){cost, bins->binning, sweep->axis, bin, below_count, above_count};
         below_count += started;
         above_count -= ended;
     }
@@ -409,7 +389,7 @@ void mlrt_find_binned_split(const struct mlrt_cost_model *model, const struct ml
     split->cost = HUGE_VAL;
     if (best.bin > 0) {
         const struct sweep sweep = start_sweep(model, content->cell, best.axis);
-        const struct events events = gather_events(content, best.axis, &best.slicing, best.bin - 1, keys);
+        const struct events events = gather_events(content, best.axis, &best.binning, best.bin - 1, keys);
         sweep_events(&sweep, &events, best.below_count, best.above_count, split);
     }
     if (split->cost == HUGE_VAL) mlrt_find_exact_split(model, content, keys, split);
