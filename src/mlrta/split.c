@@ -123,26 +123,16 @@ static size_t find_plane(const struct mlrt_box *box, uint32_t axis, const uint32
     return first < key_count && keys[first] == key ? first : key_count;
 }
 
-/*
- * Sets the area of the triangles in each plane. First the boxes of its references are summed; only if these are
- * `enough`, its clipped triangles are. Else its area is set to -1.
- */
+/* Sets the area of the triangles in each plane, clipped to their boxes. */
 static void measure_planes(const struct mlrt_triangle *triangles, const struct mlrt_content *content, uint32_t axis,
-                           double enough, const uint32_t *keys, size_t key_count, double *areas)
+                           const uint32_t *keys, size_t key_count, double *areas)
 {
     memset(areas, 0, key_count * sizeof *areas);
     for (size_t i = 0; has_next(content, i); i++) {
         const struct mlrt_box *box = &content->references[i].box;
         const size_t plane = find_plane(box, axis, keys, key_count);
-        if (plane < key_count) areas[plane] += cross_section(box, axis);
-    }
-    for (size_t plane = 0; plane < key_count; plane++) areas[plane] = areas[plane] >= enough ? 0 : -1;
-    for (size_t i = 0; has_next(content, i); i++) {
-        const struct mlrt_box *box = &content->references[i].box;
-        const size_t plane = find_plane(box, axis, keys, key_count);
         const struct mlrt_triangle *triangle = &triangles[content->references[i].triangle];
-        if (plane < key_count && areas[plane] >= 0 && mlrt_is_across(triangle, axis))
-            areas[plane] += mlrt_clipped_area(triangle, box, axis);
+        if (plane < key_count && mlrt_is_across(triangle, axis)) areas[plane] += mlrt_clipped_area(triangle, box, axis);
     }
 }
 
@@ -155,7 +145,7 @@ int mlrt_find_covered_plane(const struct mlrt_triangle *triangles, const struct 
         if (!may_be_covered_along(content, k)) continue;
         const double enough = enough_area(content, k);
         const size_t plane_count = gather_planes(content, k, keys);
-        measure_planes(triangles, content, k, enough, keys, plane_count, areas);
+        measure_planes(triangles, content, k, keys, plane_count, areas);
         for (size_t plane = 0; plane < plane_count; plane++) {
             const float position = mlrt_key_float(keys[plane]);
             const double below = (double)position - cell->lo[k], above = (double)cell->hi[k] - position;
