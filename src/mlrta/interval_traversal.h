@@ -182,23 +182,12 @@ static void traverse_subtree(const struct mlrt_job *job, uint32_t node, struct d
     }
 }
 
-/*
- * Traces a group from the nodes of a list. If this is one leaf, the group need not know where it enters and leaves,
- * since all rays of the tile's beam go there.
- */
+/* Traces a group from the nodes of a list. */
 static void traverse_list(const struct mlrt_job *job, const struct entry_list *list, struct ray_group *group,
                           struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const int has_outlines = group->has_frustum && list->axis_code == group->axis_code;
     float farthest = group->range.hi[3];
-    const struct mlrt_node *first = &job->tree->kdtree.nodes[list->entries[0].node];
-    if (list->count == 1 && mlrt_node_is_leaf(first)) {
-        COUNT(&worker->counters, cell_count, 1);
-        visit_leaf(job, first, &farthest, group, packet, worker);
-        return;
-    }
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) set_group_reciprocals(group->range.lo[k], group->range.hi[k], &group->axis[k]);
     for (uint32_t i = 0; i < list->count; ++i) {
         if (has_outlines && !touched_lanes(group, &list->outlines[i], farthest)) {
             COUNT(&worker->counters, cell_count, 1);

@@ -54,7 +54,7 @@ struct group_axis {
 struct ray_group {
     uint32_t lanes;
     struct lane_range range;
-    struct group_axis axis[3]; /* set_group_reciprocals sets `small` and `large` */
+    struct group_axis axis[3];
     uint32_t axis_code;        /* the main axis, that of the largest |d_k|, and its sign (outline.h) */
     float reach;               /* the larger of |d_main| and twice any other |d_k|: R of triangle_filter.h */
     int has_frustum;           /* the rays have a common origin, and `slopes` is set */
@@ -151,12 +151,13 @@ MLRT_INLINE void set_group_reciprocals(float lo, float hi, struct group_axis *ax
     axis->large = (1 / smallest) * (1 + RECIPROCAL_SLACK);
 }
 
-/* Sets all but the reciprocals. */
+/* Sets what is known of the rays along axis k, whose directions lie between `lo` and `hi`. */
 MLRT_INLINE void set_group_axis(const struct mlrt_packet *packet, uint32_t lanes, int k, float lo, float hi,
                                 struct group_axis *axis)
 {
     axis->negative = lo < 0;
     axis->reach = axis->negative ? -lo : hi;
+    set_group_reciprocals(lo, hi, axis);
     if (packet->has.apex) {
         axis->origin_lo = axis->origin_hi = packet->apex[k];
     } else {
