@@ -107,7 +107,7 @@ static enum array_kind set_array_cell(struct mlrt_array_cells *cells, const stru
         if (cells->are_parallel) at->lo[place] = lo, at->hi[place] = hi;
         fits &= cells->are_parallel || (lo >= -STEEPEST_SLOPE && hi <= STEEPEST_SLOPE);
     }
-    set_box(of->box, bundle->waist.main_axis, &cells->slabs[place]);
+    set_box(of->box, bundle->waist.main_axis, &cells->ends[place]);
     if (cells->are_parallel) hulls->first[place] = near, hulls->closed.core_first[place] = far;
     if (cells->have_ends) hulls->closed.core_last[place] = near, hulls->last[place] = far;
     return fits ? HAS_HULL : IS_MIXED;

@@ -4,26 +4,20 @@
  * a light end on the surface that it shines on, and parallel rays begin there. Depths do not tell on which side of such
  * a surface that is, and where a wall is there twice, neighbouring rays skip different triangles.
  *
- * The ends of all rays of a cell lie in a box, and in a slab that is parallel to a plane which the cell met. Both
- * together tell the side of any plane that is nearly parallel to an axis or to the slab (L21 of docs/accuracy.md,
- * "Bundles"). For another plane the rays are read again, for a new slab.
+ * The ends of all rays of a cell lie in a box, which tells the side of planes that are nearly across an axis, as those
+ * of most walls are (L21 of docs/accuracy.md, "Bundles").
  */
 #ifndef MLRT_TRACE_CELL_ENDS_H
 #define MLRT_TRACE_CELL_ENDS_H
-
-#include <math.h>
 
 #include "job/write_arrays.h"
 #include "rays/extremes.h"
 #include "rays/read_arrays.h"
 #include "rays/rectangle.h"
-#include "rays/slope_limits.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
 #include "trace/cells.h"
 #include "trace/leaf.h"
-#include "trace/planes.h"
-#include "trace/ray_hulls.h"
 
 /* The tile of a square that a cell stands for. */
 MLRT_INLINE struct mlrt_rectangle tile_of_cell(const struct mlrt_rectangle *area, uint32_t place)
@@ -72,54 +66,14 @@ static MLRT_NOINLINE int cell_skips(const struct mlrt_array_cells *cells, uint32
     return 0;
 }
 
-/* Sets the slab of a cell to its box, whose extremes are given from an axis on. */
-MLRT_INLINE void set_box(const struct extremes from_axis[3], int axis, struct mlrt_cell_slab *slab)
+/* Sets a box from its extremes, which are given from an axis on. */
+MLRT_INLINE void set_box(const struct extremes from_axis[3], int axis, struct mlrt_box *box)
 {
     for (int k = 0; k < 3; ++k) {
         const struct extremes *of = &from_axis[(k + 3 - axis) % 3];
-        slab->lo[k] = v_hmin(of->least);
-        slab->hi[k] = -v_hmin(of->negated);
-        slab->normal[k] = k == 0;
+        box->lo[k] = v_hmin(of->least);
+        box->hi[k] = -v_hmin(of->negated);
     }
-    slab->distance = 0;
-    slab->least = -slab->hi[0];
-    slab->greatest = -slab->lo[0];
-}
-
-/*
- * Turns the slab of a cell so that it is parallel to a plane, if the cell is apart from that plane. Returns 0 if it is
- * not. The components of the slab's normal sum to 1/4: so heights do not overflow (L21).
- */
-static int turn_slab(const struct mlrt_array_cells *cells, uint32_t place, const struct mlrt_plane_of_cells *of,
-                     struct mlrt_cell_slab *slab)
-{
-    const struct mlrt_rectangle tile = tile_of_cell(&cells->area, place);
-    const double *n = of->plane.normal, scale = 0.25 / (fabs(n[0]) + fabs(n[1]) + fabs(n[2]));
-    MLRT_ALIGNED(64) float rows[3][MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float heights[MLRT_PACKET_RAYS];
-    struct extremes all = NO_EXTREMES;
-    struct mlrt_cell_slab turned = *slab;
-    for (int k = 0; k < 3; ++k) turned.normal[k] = n[k] * scale;
-    turned.distance = of->distance * scale;
-    for (uint32_t block = 0; block < 16; ++block) {
-        read_points(cells, element_of_block(cells, &tile, block), rows);
-        for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
-            vd height = d_set1(turned.distance);
-            MLRT_UNROLL
-            for (int k = 0; k < 3; ++k) {
-                height = d_sub(height, d_mul(d_load(rows[k] + lane), d_set1(turned.normal[k])));
-            }
-            d_store(heights + lane, height);
-        }
-        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) add_to_extremes(v_load(heights + v), &all);
-        if (block != 0 && block != 15) continue; /* after the first block most cells that are not apart are known */
-        const float least = v_hmin(all.least), greatest = -v_hmin(all.negated);
-        turned.least = least - fabsf(least) * SLOPE_SLACK - HULL_FLOOR;
-        turned.greatest = greatest + fabsf(greatest) * SLOPE_SLACK + HULL_FLOOR;
-        if (!mlrt_is_slab_apart(&turned, of)) return 0;
-    }
-    *slab = turned;
-    return 1;
 }
 
 /*
@@ -130,7 +84,7 @@ static MLRT_NOINLINE uint32_t find_cells_apart(const struct mlrt_tree *tree, con
                                                const struct mlrt_bundle_leaf *leaf, uint32_t triangle, uint32_t places,
                                                uint32_t at_end, uint32_t backward)
 {
-    struct mlrt_array_cells *cells = bundle->arrays;
+    const struct mlrt_array_cells *cells = bundle->arrays;
     struct mlrt_plane_of_cells of;
     uint32_t apart = 0;
     places &= cells->are_parallel ? ~at_end : cells->have_ends ? at_end : 0;
@@ -140,10 +94,8 @@ static MLRT_NOINLINE uint32_t find_cells_apart(const struct mlrt_tree *tree, con
     if ((bundle->waist.sign < 0) != cells->are_parallel) backward = ~backward;
     for (; places; places &= places - 1) {
         const uint32_t place = mlrt_lowest_bit(places), bit = places & (0u - places);
-        struct mlrt_cell_slab *slab = &cells->slabs[place];
         of.sign = backward & bit ? -1 : 1;
-        if (bundle->hulls.closed.skip[place] == leaf->numbers[triangle] || mlrt_is_slab_apart(slab, &of) ||
-            turn_slab(cells, place, &of, slab))
+        if (bundle->hulls.closed.skip[place] == leaf->numbers[triangle] || mlrt_is_box_apart(&cells->ends[place], &of))
             apart |= bit;
     }
     return apart;

@@ -84,18 +84,13 @@ void mlrt_see_plane_of_cells(const struct mlrt_array_cells *cells, const struct 
     }
 }
 
-struct mlrt_slab_side mlrt_find_slab_side(const struct mlrt_cell_slab *slab, const struct mlrt_plane_of_cells *of)
+struct mlrt_side_of_box mlrt_find_side_of_box(const struct mlrt_box *box, const struct mlrt_plane_of_cells *of)
 {
-    const double *n = of->plane.normal, *m = slab->normal;
-    const double share = (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) / (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
-    double middle = of->distance - share * slab->distance, size = of->size + fabs(share * slab->distance), room = 0;
+    double nearest = of->distance * of->sign, size = of->size;
     for (int k = 0; k < 3; ++k) {
-        const double rest = n[k] - share * m[k], lo = slab->lo[k], hi = slab->hi[k];
-        middle -= rest * (0.5 * (lo + hi));
-        room += fabs(rest) * (0.5 * (hi - lo));
-        size += (of->plane.size[k] + fabs(share * m[k])) * (-lo > hi ? -lo : hi);
+        const double n = of->plane.normal[k] * of->sign, lo = box->lo[k], hi = box->hi[k];
+        nearest -= n * (n > 0 ? hi : lo);
+        size += of->plane.size[k] * (-lo > hi ? -lo : hi);
     }
-    const double one = share * slab->least, two = share * slab->greatest;
-    const double end = (one < two) == (of->sign > 0) ? one : two; /* the one that is nearer to the plane */
-    return (struct mlrt_slab_side){(middle + end) * of->sign, room, size * SLAB_ERROR};
+    return (struct mlrt_side_of_box){nearest, size * END_ERROR};
 }

@@ -17,19 +17,6 @@ int mlrt_set_apex(const float point[3], float unit, struct mlrt_waist *waist);
 /* Begins the cells `there` of a bundle: closed, all rays start at the waist, and look from there without an end. */
 void mlrt_begin_cells(uint32_t there, struct mlrt_bundle *bundle);
 
-/*
- * A slab, and a box, in which the points e of all rays of a cell lie: d of rays to a light, o of parallel rays.
- * `distance` - normal . e lies between `least` and `greatest`.
- */
-struct mlrt_cell_slab {
-    double normal[3];
-    double distance;
-    float least;
-    float greatest;
-    float lo[3];
-    float hi[3];
-};
-
 /* What all rays of a square have in common. */
 struct mlrt_array_cells {
     struct mlrt_array_reader reader;
@@ -38,10 +25,10 @@ struct mlrt_array_cells {
     const float *from;                       /* the waist, not in units; NULL: 0 */
     float middle[3];                         /* the waist of parallel rays */
     int are_parallel;
-    int have_ends;  /* they end at t = 1 */
-    float slope[2]; /* of parallel rays */
-    float unit;     /* of the bundle */
-    struct mlrt_cell_slab slabs[MLRT_BUNDLE_PACKETS];
+    int have_ends;                             /* they end at t = 1 */
+    float slope[2];                            /* of parallel rays */
+    float unit;                                /* of the bundle */
+    struct mlrt_box ends[MLRT_BUNDLE_PACKETS]; /* of the points e of each cell's rays: d, or o of parallel rays */
 };
 
 /* Begins cells of parallel rays. Returns 0 if float does not carry them. */
@@ -63,22 +50,21 @@ struct mlrt_plane_of_cells {
 void mlrt_see_plane_of_cells(const struct mlrt_array_cells *cells, const struct mlrt_triangle *triangle,
                              struct mlrt_plane_of_cells *of);
 
-#define SLAB_ERROR 0x1p-46 /* L21 */
+#define END_ERROR 0x1p-49 /* L21 */
 
-/* Where a slab lies: numbers of its points are at least `nearest` - `room` in the plane's sign, but for `error`. */
-struct mlrt_slab_side {
+/* Where a box lies: numbers of its points are at least `nearest` in the plane's sign, but for `error`. */
+struct mlrt_side_of_box {
     double nearest;
-    double room;
     double error;
 };
 
-struct mlrt_slab_side mlrt_find_slab_side(const struct mlrt_cell_slab *slab, const struct mlrt_plane_of_cells *of);
+struct mlrt_side_of_box mlrt_find_side_of_box(const struct mlrt_box *box, const struct mlrt_plane_of_cells *of);
 
-/* Is a slab on the side of a plane where rays do not reach it? */
-static inline int mlrt_is_slab_apart(const struct mlrt_cell_slab *slab, const struct mlrt_plane_of_cells *of)
+/* Is a box on the side of a plane where rays do not reach it? */
+static inline int mlrt_is_box_apart(const struct mlrt_box *box, const struct mlrt_plane_of_cells *of)
 {
-    const struct mlrt_slab_side side = mlrt_find_slab_side(slab, of);
-    return side.nearest > side.room + side.error;
+    const struct mlrt_side_of_box side = mlrt_find_side_of_box(box, of);
+    return side.nearest > side.error;
 }
 
 #endif
