@@ -327,15 +327,13 @@ MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_jo
     const uint32_t number = leaf->numbers[triangle];
     struct mlrt_offered_packets offered = {0, 0, 0, 0};
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
-        if (!(among >> v & ALL_LANES)) continue;
-        /* With places, outlines are not compared: they cost about as much as edges. */
-        const uint32_t seeing = among >> v & (has_places ? ALL_LANES : packets_seeing(bundle, leaf, triangle, v));
-        if (!seeing) continue;
+        const uint32_t asked = among >> v & ALL_LANES;
+        if (!asked) continue;
         struct triangles_of_hulls of;
         const struct hull_pairs pairs = {hulls, leaf, (uint32_t)v, triangle, 1, has_places};
         see_triangles(&pairs, &of);
-        if (!(seeing & ~m_bits(of.out) & bundle->state.closed >> v)) {
-            offered.may |= (seeing & ~m_bits(of.out)) << v;
+        if (!(asked & ~m_bits(of.out) & bundle->state.closed >> v)) {
+            offered.may |= (asked & ~m_bits(of.out)) << v;
             continue;
         }
         bound_depths(hulls, leaf, triangle, v, has_places, &of);
@@ -347,7 +345,7 @@ MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_jo
                               v_lt(of.far, v_load(hulls->closed.core_last + v)));
         const vm covers = m_and(m_and(of.inside, core), v_lt(of.far, cover_near));
         const vm known = i_eq(i_load(hulls->closed.cover + v), i_set1(number));
-        uint32_t met = seeing & ~m_bits(m_or(of.out, passed)), skipping = 0;
+        uint32_t met = asked & ~m_bits(m_or(of.out, passed)), skipping = 0;
         if (met & bundle->state.closed >> v) {
             const vm near_begin = v_lt(of.near, v_load(hulls->closed.core_first + v));
             const vf core_last = v_load(hulls->closed.core_last + v), ends = v_sub(last, core_last);

@@ -155,24 +155,4 @@ MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle *bundle, const struc
     return met & among;
 }
 
-/* Returns the packets of a vector that may hit a triangle, by its outline. All their rays start at the waist. */
-MLRT_INLINE uint32_t packets_seeing(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                    uint32_t triangle, int v)
-{
-    const struct mlrt_hulls *hulls = &bundle->hulls;
-    const int is_fan = leaf->state.fans >> triangle & 1;
-    vm may = m_and(v_le(v_set1(leaf->outline.near[triangle]), v_load(hulls->last + v)),
-                   v_ge(v_set1(leaf->outline.far[triangle]), v_load(hulls->first + v)));
-    MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) {
-        const vf slope[2] = {v_load(hulls->slope[i].lo + v), v_load(hulls->slope[i].hi + v)};
-        vf ends[2];
-        find_outline_ends(&bundle->waist, i, v_set1(leaf->outline.weight[triangle]), m_from_bits(0), is_fan, slope,
-                          slope, 0, ends);
-        may = m_and(may, m_and(v_le(v_set1(leaf->outline.lo[i][triangle]), ends[1]),
-                               v_ge(v_set1(leaf->outline.hi[i][triangle]), ends[0])));
-    }
-    return m_bits(may);
-}
-
 #endif
