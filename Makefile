@@ -105,11 +105,11 @@ TLS      := $(if $(IS_X86),$(shell $(CC) -Werror -mtls-dialect=gnu2 -fPIC -S -x 
 COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(LAYOUT) $(TLS) $(CFLAGS) $(EXACT) $(SANITIZE) $(if $(RENAME),-DMLRT_PREFIX=$(RENAME)) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
 LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
-# One object of kernels per instruction set, and in SSE2 another one of the kd-tree, which does not count. Kernels in plain
-# C exist only where there is no SSE2 (or with SCALAR=1), but their words are tested anywhere.
+# One object of kernels per instruction set. Kernels in plain C exist only where there is no SSE2 (or with SCALAR=1), but
+# their words are tested anywhere.
 ALL_ISAS    := scalar sse avx2 avx512
-KERNELS     := $(if $(and $(IS_X86),$(if $(SCALAR),,1)),sse sse_kdtree avx2 avx512,scalar)
-ISAS        := scalar $(filter-out scalar sse_kdtree,$(KERNELS))
+KERNELS     := $(if $(and $(IS_X86),$(if $(SCALAR),,1)),sse avx2 avx512,scalar)
+ISAS        := scalar $(filter-out scalar,$(KERNELS))
 ISA_FLAGS_avx2   := -mavx2 -mfma
 ISA_FLAGS_avx512 := -mavx512f -mavx512dq
 # On Windows gcc may leave the stack unaligned (bug 54412); with this flag, a recent assembler makes moves unaligned.

@@ -31,7 +31,6 @@ LAYERS = ["base", "simd", "exact", "scene", "rays", "bvh", "job", "hits", "mlrta
 KERNELS = [
     Kernel("scalar", "isa/scalar.c", "!MLRT_SSE_KERNELS", None),
     Kernel("sse", "isa/sse.c", "MLRT_SSE_KERNELS", None),
-    Kernel("sse_kdtree", "isa/sse_kdtree.c", "MLRT_SSE_KERNELS", None),
     Kernel("avx2", "isa/avx2.c", "MLRT_SSE_KERNELS", "avx2,fma"),
     Kernel("avx512", "isa/avx512.c", "MLRT_SSE_KERNELS", "avx512f,avx512dq"),
 ]

@@ -3,5 +3,5 @@
 #define MLRT_COUNTING 1
 #include "simd/scalar.h"
 #define BOX_KERNELS    mlrt_kernels_scalar
-#define KDTREE_KERNELS mlrt_kernels_kdtree_counting
+#define KDTREE_KERNELS mlrt_kernels_kdtree_scalar
 #include "isa/kernels.h"

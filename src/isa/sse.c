@@ -5,5 +5,5 @@
 #define MLRT_COUNTING 1
 #include "simd/sse.h"
 #define BOX_KERNELS    mlrt_kernels_sse
-#define KDTREE_KERNELS mlrt_kernels_kdtree_counting
+#define KDTREE_KERNELS mlrt_kernels_kdtree_sse
 #include "isa/kernels.h"

@@ -152,7 +152,7 @@ struct mlrt_kernels {
 /*
  * The Makefile says which of them are compiled; trace/structure.c and mlrta/structure.c have them by instruction set.
  */
-extern const struct mlrt_kernels mlrt_kernels_kdtree_counting, mlrt_kernels_kdtree_sse, mlrt_kernels_kdtree_avx2;
+extern const struct mlrt_kernels mlrt_kernels_kdtree_scalar, mlrt_kernels_kdtree_sse, mlrt_kernels_kdtree_avx2;
 extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_sse, mlrt_kernels_avx2, mlrt_kernels_avx512;
 
 #endif

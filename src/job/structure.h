@@ -90,7 +90,6 @@ struct mlrt_structure {
         uint16_t camera_side, row_side, list_side;
         /* For calls without counters, by MLRT_ISA_*. Where there are none, those of the next narrower set serve. */
         const struct mlrt_kernels *kernels[MLRT_ISA_AVX512 + 1];
-        const struct mlrt_kernels *counting; /* for calls with counters: of the narrowest set, perhaps the same ones */
         /*
          * Lays out and clears what a worker keeps for the kernels, from `memory` on, in whole cache lines. Returns its
          * bytes. With NULL, only returns them.

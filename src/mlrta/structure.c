@@ -70,9 +70,8 @@ const struct mlrt_structure mlrt_structure_kdtree = {
 #if MLRT_SSE_KERNELS
                .kernels = {[MLRT_ISA_SSE] = &mlrt_kernels_kdtree_sse, [MLRT_ISA_AVX2] = &mlrt_kernels_kdtree_avx2},
 #else
-               .kernels = {[MLRT_ISA_SCALAR] = &mlrt_kernels_kdtree_counting},
+               .kernels = {[MLRT_ISA_SCALAR] = &mlrt_kernels_kdtree_scalar},
 #endif
-               .counting = &mlrt_kernels_kdtree_counting,
                .lay_out = lay_out,
                .trace_ray = mlrt_trace_cells},
 };

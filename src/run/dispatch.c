@@ -4,8 +4,8 @@
  * machine.
  *
  * Calls with counters get kernels of the narrowest instruction set: SSE2, or plain C where there is no SSE2. Its
- * kernels count in calls without counters, too; only the kd-tree has others in SSE2 that do not. Kernels that count for
- * every instruction set would nearly double the size of the library.
+ * kernels count in calls without counters, too. Kernels that count for every instruction set would nearly double the
+ * size of the library.
  */
 #include "run/dispatch.h"
 
@@ -61,9 +61,8 @@ const struct mlrt_kernels *mlrt_select_kernels(const struct mlrt_structure *stru
     const int32_t widest = widest_isa();
     if (isa == MLRT_ISA_AUTO) isa = widest;
     if (isa > widest || isa < MLRT_ISA_NARROWEST) return NULL;
-    if (counting) return structure->tracer.counting;
-    /* Squares of 2x2 rays have four lanes, so packets of them gain nothing from eight. */
-    if (method == MLRT_METHOD_PACKET2) isa = MLRT_ISA_NARROWEST;
+    /* Only the narrowest count. Squares of 2x2 rays have four lanes, so packets of them gain nothing from eight. */
+    if (counting || method == MLRT_METHOD_PACKET2) isa = MLRT_ISA_NARROWEST;
     while (!structure->tracer.kernels[isa]) --isa;
     return structure->tracer.kernels[isa];
 }

@@ -105,10 +105,8 @@ const struct mlrt_structure mlrt_structure_bvh = {
                .kernels = {[MLRT_ISA_SSE] = &mlrt_kernels_sse,
                            [MLRT_ISA_AVX2] = &mlrt_kernels_avx2,
                            [MLRT_ISA_AVX512] = &mlrt_kernels_avx512},
-               .counting = &mlrt_kernels_sse,
 #else
                .kernels = {[MLRT_ISA_SCALAR] = &mlrt_kernels_scalar},
-               .counting = &mlrt_kernels_scalar,
 #endif
                .lay_out = lay_out,
                .trace_ray = mlrt_trace_boxes},
