@@ -1218,7 +1218,6 @@ static double lines_over(const float *input, int has_places)
 {
     static struct mlrt_worker worker;
     static struct mlrt_known_plane planes[1];
-    static struct mlrt_triangle_pair pairs[1];
     static struct mlrt_bundle_cache cache;
     static struct mlrt_triangle both[2];
     static const struct mlrt_tree tree_of_two = {.by_number.corners = both[0].v[0], .bvh.unit = 1};
@@ -1233,13 +1232,12 @@ static double lines_over(const float *input, int has_places)
             mpf_inits(exact[i]->v, exact[i]->n, exact[i]->d, NULL);
         }
         worker.known.planes = planes;
-        worker.known.pairs = pairs;
     }
     if (!bundle_of(input, 1, has_places)) return -1;
     memcpy(both[0].v, input, sizeof both[0].v);
     memcpy(both[1].v, input + SECOND, sizeof both[1].v);
     if (!mlrt_triangle_has_area(&both[0]) || !mlrt_triangle_has_area(&both[1])) return -1;
-    mlrt_forget_planes(0, 0, &worker);
+    mlrt_forget_planes(0, &worker);
     cache.waist = bundle.waist;
     mlrt_set_pair_line(&tree_of_two, &cache, 0, 1, &worker, &line);
     find_plane(input, &first);

@@ -33,7 +33,6 @@ struct bench {
     struct mlrt_packet packet;
     struct mlrt_worker worker;
     struct mlrt_known_plane planes[1u << MLRT_FEW_PLANE_BITS];
-    struct mlrt_triangle_pair pairs[1u << MLRT_FEW_PAIR_BITS];
     struct mlrt_ray_segment rays[MLRT_PACKET_RAYS];
     uint32_t valid;
 };
@@ -42,8 +41,7 @@ static void begin_bench(struct bench *bench)
 {
     memset(bench, 0, sizeof *bench);
     bench->worker.known.planes = bench->planes;
-    bench->worker.known.pairs = bench->pairs;
-    mlrt_forget_planes(MLRT_FEW_PLANE_BITS, MLRT_FEW_PAIR_BITS, &bench->worker);
+    mlrt_forget_planes(MLRT_FEW_PLANE_BITS, &bench->worker);
 }
 
 static void set_lane(struct bench *bench, uint32_t lane, const float origin[3], const float direction[3], float t_min,
@@ -456,7 +454,7 @@ static void planes_are_asked_for_once(void **state)
     struct bench own, *bench = &own;
     aim_at_nest(bench);
     bench->worker.known.planes = planes;
-    mlrt_forget_planes(MLRT_KNOWN_PLANE_BITS, MLRT_FEW_PAIR_BITS, &bench->worker);
+    mlrt_forget_planes(MLRT_KNOWN_PLANE_BITS, &bench->worker);
     bench->worker.watch.progress = &progress;
     for (uint32_t nearest = 0; nearest < NEST_COUNT; nearest += 97) {
         for (uint32_t number = 0; number < NEST_COUNT; number++) {

@@ -16,27 +16,20 @@
  * there is no cycle.
  */
 
-void mlrt_forget_planes(uint32_t plane_bits, uint32_t pair_bits, struct mlrt_worker *worker)
+void mlrt_forget_planes(uint32_t plane_bits, struct mlrt_worker *worker)
 {
     worker->known.plane_mask = (1u << plane_bits) - 1;
-    worker->known.pair_mask = (1u << pair_bits) - 1;
     memset(worker->known.planes, 0xFF, sizeof *worker->known.planes << plane_bits);
-    memset(worker->known.pairs, 0, sizeof *worker->known.pairs << pair_bits);
 }
 
 int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t second, struct mlrt_worker *worker)
 {
     const uint32_t plane_1 = mlrt_known_plane_of(worker, first), plane_2 = mlrt_known_plane_of(worker, second);
-    struct mlrt_triangle_pair *pair = &worker->known.pairs[(first ^ second) & worker->known.pair_mask];
     if (plane_1 == plane_2) return 1;
-    if (pair->first == first && pair->second == second) return 0;
     if (mlrt_is_stopped_in_step(worker)) return 0;
     const struct mlrt_triangle triangles[2] = {mlrt_triangle_at(&tree->by_number, first),
                                                mlrt_triangle_at(&tree->by_number, second)};
-    if (!mlrt_share_plane(&triangles[0], &triangles[1])) {
-        *pair = (struct mlrt_triangle_pair){first, second};
-        return 0;
-    }
+    if (!mlrt_share_plane(&triangles[0], &triangles[1])) return 0;
     worker->known.planes[plane_1 & worker->known.plane_mask] = (struct mlrt_known_plane){plane_1, plane_2};
     worker->known.planes[first & worker->known.plane_mask] = (struct mlrt_known_plane){first, plane_2};
     return 1;

@@ -10,10 +10,10 @@
 #include "exact/nearest.h"
 #include "job/job.h"
 
-/* Empties the worker's tables of planes and pairs, and sets their lengths: 1 << plane_bits and 1 << pair_bits. */
-void mlrt_forget_planes(uint32_t plane_bits, uint32_t pair_bits, struct mlrt_worker *worker);
+/* Empties the worker's table of planes, and sets its length, 1 << plane_bits. */
+void mlrt_forget_planes(uint32_t plane_bits, struct mlrt_worker *worker);
 
-/* Do two triangles lie in one plane? The worker keeps the last answers, since neighbouring rays need the same ones. */
+/* Do two triangles lie in one plane? If so, the worker keeps the answer, since neighbouring rays need the same one. */
 int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t second, struct mlrt_worker *worker);
 
 /* The triangle that represents the plane of a triangle, by the worker's table (undecided.c). */

@@ -51,15 +51,6 @@ struct mlrt_job {
     struct mlrt_callback callback;
 };
 
-/*
- * Two triangles that surely do not lie in one plane (undecided.c). All 0 = empty entry, since a triangle is never
- * compared with itself.
- */
-struct mlrt_triangle_pair {
-    uint32_t first;
-    uint32_t second;
-};
-
 /* A triangle, and another one in the same plane (undecided.c). */
 struct mlrt_known_plane {
     uint32_t number; /* MLRT_NONE = empty entry */
@@ -67,20 +58,15 @@ struct mlrt_known_plane {
 };
 
 /*
- * Logarithms of how many planes and pairs a worker keeps. Calls of few rays keep few, since clearing large tables
- * would take longer than they save. With 256 pairs in place of 64, a picture of a room whose walls are all there twice
- * compares 1 % fewer pairs again.
+ * Logarithms of how many planes a worker keeps. Calls of few rays keep few, since clearing a large table would take
+ * longer than it saves.
  */
 #define MLRT_KNOWN_PLANE_BITS 12
 #define MLRT_FEW_PLANE_BITS   4
-#define MLRT_PAIR_BITS        6
-#define MLRT_FEW_PAIR_BITS    4
 
 /* Answers about triangles that a worker keeps, since neighbouring rays need the same ones (undecided.h). */
 struct mlrt_known_triangles {
-    struct mlrt_triangle_pair *pairs; /* entry (first ^ second) & pair_mask */
-    uint32_t pair_mask;               /* length of the table, a power of two, less one */
-    uint32_t plane_mask;
+    uint32_t plane_mask;             /* length of the table, a power of two, less one */
     struct mlrt_known_plane *planes; /* entry number & plane_mask */
 };
 

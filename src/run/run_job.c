@@ -91,12 +91,7 @@ static int wants_channel(const struct mlrt_job *job, enum mlrt_channel channel)
     return job->any ? channel == MLRT_CHANNEL_OCCLUDED : (job->callback.outputs & output[channel]) != 0;
 }
 
-/* Tables of a worker have 1 << so many entries: pairs of triangles, and triangles of known planes. */
-static uint32_t pair_bits(const struct mlrt_job *job)
-{
-    return mlrt_is_small(job) ? MLRT_FEW_PAIR_BITS : MLRT_PAIR_BITS;
-}
-
+/* A worker keeps 1 << so many triangles of known planes. */
 static uint32_t known_plane_bits(const struct mlrt_job *job)
 {
     return mlrt_is_small(job) ? MLRT_FEW_PLANE_BITS : MLRT_KNOWN_PLANE_BITS;
@@ -112,8 +107,6 @@ static size_t lay_out_share(const struct mlrt_job *job, unsigned char *memory, s
     size_t size = job->tree->structure->tracer.lay_out(job, memory, worker);
     if (memory) worker->known.planes = (struct mlrt_known_plane *)(void *)(memory + size);
     size += sizeof(struct mlrt_known_plane) << known_plane_bits(job);
-    if (memory) worker->known.pairs = (struct mlrt_triangle_pair *)(void *)(memory + size);
-    size += sizeof(struct mlrt_triangle_pair) << pair_bits(job);
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
         const size_t element_size = mlrt_channel_size((enum mlrt_channel)c);
         if (!wants_channel(job, (enum mlrt_channel)c)) continue;
@@ -131,7 +124,7 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
     worker->sinks.count = 0;
     if (!mlrt_sink_is_empty(&job->frame)) worker->sinks.each[worker->sinks.count++] = &job->frame;
     if (job->callback.function) worker->sinks.each[worker->sinks.count++] = &worker->sinks.tile;
-    mlrt_forget_planes(known_plane_bits(job), pair_bits(job), worker);
+    mlrt_forget_planes(known_plane_bits(job), worker);
     mlrt_fill_words(worker->hit_terms.numbers, MLRT_NONE);
     worker->mask = job->source.common_mask;
     worker->mesh = 0;

@@ -13,7 +13,7 @@
 /*
  * Traces a ray, whose numbers are in units, through boxes: as lane 0 of *packet, which is that of `scaled`, if the unit
  * is not 1. Returns where the corners of its hit lie. The worker is one of this call, of which only the fields set here
- * are used, with room for one plane and one pair of triangles; fill_lone_packet (units.h) sets others where they are
+ * are used, with room for one plane; fill_lone_packet (units.h) sets others where they are
  * needed.
  */
 MLRT_INLINE struct mlrt_corners trace_as_lane(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
@@ -21,7 +21,6 @@ MLRT_INLINE struct mlrt_corners trace_as_lane(const struct mlrt_tree *tree, cons
 {
     const struct ray_rows rows = {ray->origin, ray->direction, ray->reciprocal, 1, 1};
     struct mlrt_known_plane plane;
-    struct mlrt_triangle_pair pair;
     struct mlrt_worker worker;
     struct mlrt_job job;
     job.tree = tree;
@@ -34,7 +33,6 @@ MLRT_INLINE struct mlrt_corners trace_as_lane(const struct mlrt_tree *tree, cons
     packet->has.masks = 0;
     worker.mask = ray->mask;
     worker.known.planes = &plane;
-    worker.known.pairs = &pair;
     worker.lone = ray;
     worker.scaled = scaled;
     CLEAR_COUNTS(&worker);

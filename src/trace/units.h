@@ -220,9 +220,8 @@ static void fill_lone_packet(struct mlrt_packet *packet, struct mlrt_worker *wor
     }
     packet->t_max[0] = worker->lone->t_max;
     packet->has.apex = 0;
-    worker->known.plane_mask = worker->known.pair_mask = 0;
+    worker->known.plane_mask = 0;
     worker->known.planes->number = MLRT_NONE;
-    worker->known.pairs->first = worker->known.pairs->second = 0;
     worker->watch.progress = NULL;
     worker->lone = NULL;
 }
