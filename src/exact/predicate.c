@@ -207,6 +207,19 @@ int mlrt_compare_distance(const struct mlrt_ray_segment *ray, const struct mlrt_
     return MLRT_LIKELY(sign != 0) ? sign : compare_close_distance(ray, first, second, counters);
 }
 
+/*
+ * Many triangles in one plane are one and the same, seen from two sides, or have a common edge: corners that both have
+ * need no integers. Calls of one ray, which know no planes of rays before, take 0.9 of the instructions in cruiser.
+ */
+static int has_corner(const struct mlrt_triangle *triangle, const float point[3])
+{
+    for (int i = 0; i < 3; ++i) {
+        const float *corner = triangle->v[i];
+        if (corner[0] == point[0] && corner[1] == point[1] && corner[2] == point[2]) return 1;
+    }
+    return 0;
+}
+
 int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second)
 {
     for (uint32_t axis = 0; axis < 3; ++axis)
@@ -214,6 +227,6 @@ int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triang
     for (int i = 0; i < 3; ++i)
         if (certain_side(first, second->v[i], NOWHERE) != 0) return 0;
     for (int i = 0; i < 3; ++i)
-        if (mlrt_exact_sign_beyond(second->v[i], NOWHERE, first, 1) != 0) return 0;
+        if (!has_corner(first, second->v[i]) && mlrt_exact_sign_beyond(second->v[i], NOWHERE, first, 1) != 0) return 0;
     return 1;
 }
