@@ -636,6 +636,40 @@ static int load_single(const float *input, int is_any, struct float_test *test)
     return has_direction(input);
 }
 
+/* D, N and their bounds by components. 0 as above. */
+static int load_components(const float *input, struct float_test *test)
+{
+    vf term[SIDE_TERMS], to[3], d[3];
+    double direction[3];
+    set_sides(input, 1, term);
+    for (int k = 0; k < 3; ++k) {
+        to[k] = term[k] - input[9 + k];
+        d[k] = input[12 + k];
+    }
+    set_plane_by_components(term, to, d, test);
+    load_direction(input, direction);
+    load_exactly(input, direction);
+    find_d_and_n(other_truth, truth);
+    assert_true(test->plane_bound > 0 && test->distance_bound > 0);
+    assert_true(isinf(test->plane_bound) || isfinite(test->determinant));
+    assert_true(isinf(test->distance_bound) || isfinite(test->distance));
+    return has_direction(input);
+}
+
+static double attack_components_d(const float *input)
+{
+    struct float_test test;
+    if (!load_components(input, &test) || isinf(test.plane_bound)) return -1;
+    return error_over(other_truth, test.determinant, test.plane_bound);
+}
+
+static double attack_components_n(const float *input)
+{
+    struct float_test test;
+    if (!load_components(input, &test) || isinf(test.distance_bound)) return -1;
+    return error_over(truth, test.distance, test.distance_bound);
+}
+
 static double attack_single_edges(const float *input)
 {
     double worst = -1;
@@ -1372,6 +1406,8 @@ static void single_ray_bounds_hold(void **state)
         {"single: e", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_single_edges, 0.3, NULL},
         {"single: D", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_single_d, 0.15, NULL},
         {"single: N", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_single_n, 0.3, NULL},
+        {"single: D by components", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_components_d, 0.15, NULL},
+        {"single: N by components", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_components_n, 0.3, NULL},
         {"single: t", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_single_t, 0.2, NULL},
         {"lanes: t of a plane", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_single_reach, 0.1, NULL},
     };

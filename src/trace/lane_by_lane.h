@@ -506,6 +506,30 @@ static MLRT_NOINLINE uint32_t test_triangles_from_origin(const struct mlrt_job *
     return all_changed;
 }
 
+/*
+ * Decides the lanes of a vector that float leaves undecided for the triangle at `place`, of which some may begin beside
+ * it (settle_undecided). Returns all lanes with a nearer hit.
+ */
+static MLRT_NOINLINE uint32_t settle_starts(const struct mlrt_job *job, const float (*terms)[MLRT_BVH_LEAF_LIMIT],
+                                            uint32_t place, uint32_t number, struct outcome outcome, int v,
+                                            struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    vf term[SIDE_TERMS], to[3], d[3];
+    struct float_test test;
+    MLRT_UNROLL
+    for (int k = 0; k < SIDE_EDGE_FACTOR; ++k) term[k] = v_set1(terms[k][place]);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        to[k] = v_sub(term[k], v_load(packet->origin[k] + v));
+        d[k] = v_load(packet->direction[k] + v);
+    }
+    set_plane_by_components(term, to, d, &test);
+    const vm ahead = may_be_nearer(&test, m_from_bits(outcome.undecided >> v), v_load(packet->t_min + v),
+                                   v_load(packet->nearest.hi + v));
+    if (!m_bits(ahead)) return outcome.nearer;
+    return outcome.nearer | decide_scaled_lanes(job, number, m_bits(ahead) << v, outcome.inside, packet, worker);
+}
+
 /* Tests lanes of a vector against the triangle at `place`. Returns the lanes with a nearer hit. */
 MLRT_INLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job, const float (*terms)[MLRT_BVH_LEAF_LIMIT],
                                             uint32_t place, const vf origin[3], const vf d[3], uint32_t lanes,
@@ -533,6 +557,8 @@ MLRT_INLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job, const fl
     bound_distances(&test, &verdict);
     keep_verdict(&verdict, number, v, packet, &outcome);
     if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;
+    const uint32_t begun = m_bits(v_gt(verdict.lo, t_min)) << v;
+    if (outcome.undecided & ~begun) return settle_starts(job, terms, place, number, outcome, v, packet, worker);
     return outcome.nearer | decide_scaled_lanes(job, number, outcome.undecided, outcome.inside, packet, worker);
 }
 

@@ -315,9 +315,33 @@ MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const uint32_t *nu
 }
 
 /*
+ * The places of a vector whose triangles a lane may meet between t_min and its nearest hit, by triangle_test.h, "BY
+ * COMPONENTS".
+ */
+static MLRT_NOINLINE uint32_t places_ahead(const float *corners, uint32_t row, uint32_t lane,
+                                           const struct mlrt_packet *packet, const struct mlrt_worker *worker)
+{
+    vf term[SIDE_TERMS], to[3], d[3];
+    struct float_test test;
+    set_sides(corners, row, term);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const float *origin = packet->has.apex ? &packet->apex[k] : &packet->origin[k][lane];
+        to[k] = v_sub(term[k], v_set1(worker->lone ? worker->lone->origin[k] : *origin));
+        d[k] = v_set1(worker->lone ? worker->lone->direction[k] : packet->direction[k][lane]);
+    }
+    set_plane_by_components(term, to, d, &test);
+    return m_bits(
+        may_be_nearer(&test, m_from_bits(ALL_LANES), v_set1(packet->t_min[lane]), v_set1(packet->nearest.hi[lane])));
+}
+
+/*
  * Decides the triangles at places of a leaf that float leaves undecided. The ray is surely inside the edges of those in
  * `inside`, which it hits at lo[i] or behind, unless they lie before t_min. `nearest`: where the corners of the nearest
  * hit so far lie, if that is known. Returns where they lie afterwards.
+ *
+ * Most rays that leave a surface begin one float beside it, and are undecided for the triangles of its plane. Float
+ * tells by components that they leave them.
  *
  * If a triangle is surely hit, so that only its order with the nearest hit is in question, let t be the lesser of both
  * distances. It is at most that of the nearest hit so far, whose `hi` therefore stays, and not less than the lesser of
@@ -329,16 +353,19 @@ static MLRT_NOINLINE struct corner_rows settle_undecided(const struct mlrt_job *
                                                          struct corner_rows nearest, struct mlrt_packet *packet,
                                                          struct mlrt_worker *worker)
 {
-    uint32_t tried = 0;
-    if (undecided & inside && packet->nearest.triangle[lane] != MLRT_NONE && !worker->scaled) {
-        uint32_t hit = 0;
-        float least = packet->nearest.lo[lane];
-        for (uint32_t left = undecided & inside; left; left &= left - 1) {
-            const float x = lo[mlrt_lowest_bit(left)];
-            if (!(x > packet->t_min[lane])) continue;
-            hit |= left & (0u - left);
-            least = x < least ? x : least;
-        }
+    uint32_t tried = 0, hit = 0;
+    float least = packet->nearest.lo[lane];
+    for (uint32_t left = undecided & inside; left; left &= left - 1) {
+        const float x = lo[mlrt_lowest_bit(left)];
+        if (!(x > packet->t_min[lane])) continue;
+        hit |= left & (0u - left);
+        least = x < least ? x : least;
+    }
+    if (undecided & ~hit) {
+        undecided &= hit | places_ahead(corners, row, lane, packet, worker);
+        if (!undecided) return nearest;
+    }
+    if (hit && packet->nearest.triangle[lane] != MLRT_NONE && !worker->scaled) {
         packet->nearest.lo[lane] = least;
         tried = order_places(job, numbers, corners, row, hit, lane, &nearest, packet, worker);
         undecided = (undecided & ~hit) | tried;

@@ -28,6 +28,14 @@
  * These are the same determinants. p, g and h have 1 rounding, a cross product 3 more, and the product with d and its
  * sums 3: that makes 7 as well. So all bounds hold, with the greatest |d_k| of all rays for m.
  *
+ * BY COMPONENTS. m G H and S G H are more than the sums of the magnitudes of the six products, s(D) and s(N): for a
+ * triangle across an axis, all products of N but two are 0, and s(N) is its distance along that axis times |h_i g_j| +
+ * |h_j g_i|. So if a ray begins one float beside the plane of a wall, N is below 12 u S G H but, unless the wall is a
+ * needle, above 12 u s(N). Therefore a triangle that may be met where the ray begins is compared once more, with 16 u
+ * s(D) and 12 u s(N). The errors are relative to these sums, so D has 7.9 u to spare after N -+ E and D -+ W, and N has
+ * 2.9 u. The sums as computed have fewer roundings than the bounds above. They are multiplied by 4, too, and have the
+ * same floor. What the quotients lose is not added, since only products are compared.
+ *
  * Nothing here is scaled, but for the units (units.h). The corners of an odd triangle are NaN, and so are all numbers
  * computed from them. A comparison with a NaN is false, so the triangle is undecided.
  *
@@ -129,6 +137,26 @@ MLRT_INLINE void set_plane(const vf term[SIDE_TERMS], const vf to[3], struct flo
     test->plane_bound = v_mul_add(term[SIDE_PLANE_FACTOR], v_set1(PLANE_BOUND / 4), floor);
     test->distance_bound = v_mul_add(v_mul(size, term[SIDE_PLANE_SIZE]), v_set1(DISTANCE_BOUND / 4),
                                      v_mul_add(test->plane_bound, v_set1(QUOTIENT_FLOOR), floor));
+}
+
+/* Sets D, N and their bounds by components: see above. No factor of `term` is read. */
+MLRT_INLINE void set_plane_by_components(const vf term[SIDE_TERMS], const vf to[3], const vf d[3],
+                                         struct float_test *test)
+{
+    const vf *g = &term[SIDE_CA], *h = &term[SIDE_AB];
+    const vf four = v_set1(4), floor = v_set1(DISTANCE_FLOOR);
+    vf size_of_d = v_set1(0), size_of_n = v_set1(0);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        const vf size = v_mul_add(v_abs(h[i]), v_abs(g[j]), v_mul(v_abs(h[j]), v_abs(g[i])));
+        size_of_d = v_mul_add(v_abs(d[k]), size, size_of_d);
+        size_of_n = v_mul_add(v_abs(to[k]), size, size_of_n);
+    }
+    test->determinant = dot_product(d, &term[SIDE_NORMAL]);
+    test->distance = dot_product(to, &term[SIDE_NORMAL]);
+    test->plane_bound = v_mul_add(v_mul(size_of_d, four), v_set1(PLANE_BOUND / 4), floor);
+    test->distance_bound = v_mul_add(v_mul(size_of_n, four), v_set1(DISTANCE_BOUND / 4), floor);
 }
 
 #endif

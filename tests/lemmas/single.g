@@ -18,7 +18,8 @@ lost = 2 * h1 * (1 + d1) * 1b63 + 3 * h2;
 lost_of_three = 3 * lost;
 
 # The bounds as computed. S, G and H have two sums each, m S (G + H) + m G H a sum, a product and a sum, then m, the
-# factor and the floor; S G H has two products.
+# factor and the floor; S G H has two products. By components, s(D) and s(N) have a product, a sum, a product and two
+# sums, then the factor and the floor, so fewer than m G H and S G H have here.
 edge_bound = 11 * u * (1 + f1) * (1 + f2) * (1 + f3) * (1 + f4) * (1 + f5) * (1 + f6) * (1 + f7) * (1 + f8) * (1 + f9)
              * (1 + f10);
 plane_bound = 16 * u * (1 + f1) * (1 + f2) * (1 + f3) * (1 + f4) * (1 + f5) * (1 + f6) * (1 + f7) * (1 + f8);
