@@ -605,14 +605,14 @@ static MLRT_NOINLINE void trace_few_lanes(const struct mlrt_job *job, uint32_t c
     }
 }
 
-/* Tests each of `lanes` against the triangles at `places` of a vector. Returns those that have a hit, if any will do. */
-MLRT_INLINE uint32_t test_triangles_lane_by_lane(const struct mlrt_job *job, uint32_t lanes, const float *corners,
-                                                 uint32_t row, uint32_t places, const uint32_t *numbers, float reach,
-                                                 struct mlrt_packet *packet, struct mlrt_worker *worker)
+/* Tests each of `lanes` against the triangles of a part of a leaf. Returns those that have a hit, if any will do. */
+MLRT_INLINE uint32_t test_triangles_lane_by_lane(const struct mlrt_job *job, uint32_t lanes,
+                                                 const struct leaf_part *part, float reach, struct mlrt_packet *packet,
+                                                 struct mlrt_worker *worker)
 {
     uint32_t all_changed = 0;
     vf term[SIDE_TERMS];
-    set_sides(corners, row, term);
+    set_sides(part->corners, part->row, term);
     set_side_sizes(reach, term);
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
@@ -626,7 +626,7 @@ MLRT_INLINE uint32_t test_triangles_lane_by_lane(const struct mlrt_job *job, uin
             d[k] = v_set1(packet->direction[k][lane]);
         }
         set_edges(term, to, d, &test);
-        if (settle_vector(job, term, to, t_min, corners, row, places, numbers, lane, &nearest, &test, packet, worker)) {
+        if (settle_vector(job, job->any, part, term, to, t_min, lane, &nearest, &test, packet, worker)) {
             all_changed |= 1u << lane;
         }
     }
@@ -653,9 +653,8 @@ static MLRT_NOINLINE void test_leaf_by_lanes(const struct mlrt_job *job, uint32_
     if (mlrt_count_bits(lanes) < row) {
         COUNT(&worker->counters, packet_count, mlrt_count_bits(lanes)); /* each goes alone */
         for (uint32_t v = 0; v < row && lanes; v += VW) {
-            const uint32_t places = VW <= 4 ? ALL_LANES : (1u << (row - v)) - 1;
-            const uint32_t changed = test_triangles_lane_by_lane(job, lanes, corners + v, row, places, numbers + v,
-                                                                 search->reach, packet, worker);
+            const struct leaf_part part = {corners + v, numbers + v, row, VW <= 4 ? ALL_LANES : (1u << (row - v)) - 1};
+            const uint32_t changed = test_triangles_lane_by_lane(job, lanes, &part, search->reach, packet, worker);
             if (!job->any) continue;
             lanes &= ~changed;
             search->alive &= ~changed;

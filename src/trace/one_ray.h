@@ -10,49 +10,62 @@
 #include "rays/lone_ray.h"
 #include "trace/single_ray.h"
 
-/*
- * Traces a ray, whose numbers are in units, through boxes: as lane 0 of *packet, which is that of `scaled`, if the unit
- * is not 1. Returns where the corners of its hit lie. The worker is one of this call, of which only the fields set here
- * are used, with room for one plane; fill_lone_packet (units.h) sets others where they are
- * needed.
- */
-MLRT_INLINE struct mlrt_corners trace_as_lane(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
-                                              struct mlrt_scaled_packet *scaled, struct mlrt_packet *packet)
-{
-    const struct ray_rows rows = {ray->origin, ray->direction, ray->reciprocal, 1, 1};
-    struct mlrt_known_plane plane;
-    struct mlrt_worker worker;
+/* What a ray of its own is traced with. Of the worker only the fields that are set below are used. */
+struct lone_search {
     struct mlrt_job job;
-    job.tree = tree;
-    job.any = ray->any;
+    struct mlrt_worker worker;
+    struct mlrt_known_plane plane; /* the only one that the worker can keep */
+};
+
+MLRT_INLINE struct ray_rows rows_of_lone_ray(const struct mlrt_lone_ray *ray)
+{
+    return (struct ray_rows){ray->origin, ray->direction, ray->reciprocal, 1, 1};
+}
+
+/*
+ * Sets what is needed to trace a ray, whose numbers are in units, through boxes: as lane 0 of *packet, which is that of
+ * `scaled`, if the unit is not 1. fill_lone_packet (units.h) sets other fields where they are needed.
+ */
+MLRT_INLINE void begin_lone_search(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
+                                   struct mlrt_scaled_packet *scaled, struct mlrt_packet *packet,
+                                   struct lone_search *search)
+{
+    search->job.tree = tree;
+    search->job.any = ray->any;
     packet->t_min[0] = ray->t_min;
     packet->nearest.lo[0] = packet->nearest.hi[0] = ray->t_max;
     packet->nearest.triangle[0] = MLRT_NONE;
     packet->skip[0] = ray->skip;
     packet->has.skip = ray->skip != MLRT_NONE;
     packet->has.masks = 0;
-    worker.mask = ray->mask;
-    worker.known.planes = &plane;
-    worker.lone = ray;
-    worker.scaled = scaled;
-    CLEAR_COUNTS(&worker);
-    return trace_single(&job, &rows, 0, 0, packet, &worker);
+    search->worker.mask = ray->mask;
+    search->worker.known.planes = &search->plane;
+    search->worker.lone = ray;
+    search->worker.scaled = scaled;
+    CLEAR_COUNTS(&search->worker);
 }
 
-/* The function `trace_ray` of job/job.h. */
+/*
+ * The function `trace_ray` of job/job.h. The search is compiled once for each query, without a call: rays in calls of
+ * their own are 1.04 times as fast so with AVX2, 1.06 times with AVX-512.
+ */
 static int32_t trace_one_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
+    const struct ray_rows rows = rows_of_lone_ray(ray);
     struct mlrt_packet packet;
+    struct lone_search search;
     if (MLRT_UNLIKELY(tree->bvh.node_count == 0)) {
         mlrt_set_result(tree, ray, MLRT_NONE, hit);
         return MLRT_OK;
     }
-    const struct mlrt_corners corners = trace_as_lane(tree, ray, NULL, &packet);
-    const uint32_t number = packet.nearest.triangle[0];
+    begin_lone_search(tree, ray, NULL, &packet, &search);
     if (ray->any) {
-        hit->occluded = number != MLRT_NONE;
+        (void)trace_lane(&search.job, 1, &rows, 0, 0, &packet, &search.worker);
+        hit->occluded = packet.nearest.triangle[0] != MLRT_NONE;
         return MLRT_OK;
     }
+    const struct mlrt_corners corners = trace_lane(&search.job, 0, &rows, 0, 0, &packet, &search.worker);
+    const uint32_t number = packet.nearest.triangle[0];
     if (number == MLRT_NONE || MLRT_UNLIKELY(!report_one_ray(&corners, ray->origin, ray->direction, hit))) {
         mlrt_set_result(tree, ray, number, hit);
         return MLRT_OK;
@@ -68,6 +81,7 @@ static int32_t trace_one_ray_in_units(const struct mlrt_tree *tree, const struct
     struct mlrt_ray_segment segment;
     struct mlrt_packet packet;
     struct mlrt_scaled_packet scaled;
+    struct lone_search search;
     struct mlrt_lone_ray ray = *given;
     if (tree->bvh.node_count == 0 || !mlrt_get_lone_segment(given, &segment)) {
         mlrt_set_result(tree, given, MLRT_NONE, hit);
@@ -93,7 +107,9 @@ static int32_t trace_one_ray_in_units(const struct mlrt_tree *tree, const struct
     }
     ray.t_min = scaled.rays.t_min[0];
     ray.t_max = scaled.rays.nearest.hi[0];
-    (void)trace_as_lane(tree, &ray, &scaled, &scaled.rays);
+    begin_lone_search(tree, &ray, &scaled, &scaled.rays, &search);
+    const struct ray_rows rows = rows_of_lone_ray(&ray);
+    trace_single(&search.job, &rows, 0, 0, &scaled.rays, &search.worker);
     mlrt_set_result(tree, given, scaled.rays.nearest.triangle[0], hit);
     return MLRT_OK;
 }

@@ -263,6 +263,14 @@ struct corner_rows {
     size_t row;
 };
 
+/* Triangles of a leaf, as many as a vector holds. Coordinate i of the corners of triangle p is corners[i * row + p]. */
+struct leaf_part {
+    const float *corners;
+    const uint32_t *numbers;
+    uint32_t row;
+    uint32_t places; /* a bit for each triangle; bits of places behind the part do no harm */
+};
+
 /* The place of triangle `number`, which is among `numbers`. */
 MLRT_INLINE uint32_t find_place(const uint32_t *numbers, uint32_t number)
 {
@@ -378,28 +386,29 @@ static MLRT_NOINLINE struct corner_rows settle_undecided(const struct mlrt_job *
 }
 
 /*
- * Decides the triangles of a leaf at those of `places` where the ray may be `inside` the edges. Sets *nearest if the
- * nearest hit changes. Returns 1 if a query for any hit has one.
+ * Decides the triangles of a part of a leaf where the ray may be `inside` the edges. Sets *nearest if the nearest hit
+ * changes. Returns 1 if a query for any hit has one.
  */
-MLRT_INLINE int settle_places(const struct mlrt_job *job, const uint32_t *numbers, const float *corners, uint32_t row,
-                              vm inside, uint32_t places, const struct float_test *test, uint32_t lane, vf t_min,
-                              struct corner_rows *nearest, struct mlrt_packet *packet, struct mlrt_worker *worker)
+MLRT_INLINE int settle_places(const struct mlrt_job *job, int any, const struct leaf_part *part, vm inside,
+                              const struct float_test *test, uint32_t lane, vf t_min, struct corner_rows *nearest,
+                              struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    const vm ignored = places_without_test(packet, lane, i_load_any(numbers));
+    const vm ignored = places_without_test(packet, lane, i_load_any(part->numbers));
     const vm left = may_be_nearer(test, m_andnot(inside, ignored), t_min, v_set1(packet->nearest.hi[lane]));
-    uint32_t candidates = m_bits(left) & places;
+    uint32_t candidates = m_bits(left) & part->places;
     if (!candidates) return 0;
     struct verdict verdict = compare_with_nearest_hits(test, left, t_min, v_set1(packet->nearest.lo[lane]));
     if (MLRT_GUESS) candidates &= m_bits(verdict.nearer);
     const uint32_t mask = packet->has.masks ? packet->mask[lane] : worker->mask;
-    if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) candidates = mlrt_visible_places(job->tree, numbers, candidates, mask);
+    if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) {
+        candidates = mlrt_visible_places(job->tree, part->numbers, candidates, mask);
+    }
     uint32_t undecided = MLRT_GUESS ? 0 : m_bits(verdict.undecided) & candidates;
     const uint32_t nearer = m_bits(verdict.nearer) & candidates;
-    if (nearer && job->any) {
+    if (nearer && any) {
         const uint32_t place = mlrt_lowest_bit(nearer);
-        packet->nearest.triangle[lane] = numbers[place];
-        nearest->corner = corners + place;
-        nearest->row = row;
+        packet->nearest.triangle[lane] = part->numbers[place];
+        *nearest = (struct corner_rows){part->corners + place, part->row};
         return 1;
     }
     if (!(nearer | undecided)) return 0;
@@ -410,33 +419,31 @@ MLRT_INLINE int settle_places(const struct mlrt_job *job, const uint32_t *number
     v_store(greatest, verdict.hi);
     if (nearer) {
         uint32_t place;
-        undecided |= keep_nearest(lo, greatest, nearer, numbers, lane, packet, &place);
-        nearest->corner = corners + place;
-        nearest->row = row;
+        undecided |= keep_nearest(lo, greatest, nearer, part->numbers, lane, packet, &place);
+        *nearest = (struct corner_rows){part->corners + place, part->row};
     }
     if (MLRT_UNLIKELY(undecided)) {
-        *nearest = settle_undecided(job, numbers, corners, row, undecided, m_bits(verdict.inside), lo, lane, *nearest,
-                                    packet, worker);
-        return job->any && packet->nearest.triangle[lane] != MLRT_NONE;
+        *nearest = settle_undecided(job, part->numbers, part->corners, part->row, undecided, m_bits(verdict.inside), lo,
+                                    lane, *nearest, packet, worker);
+        return any && packet->nearest.triangle[lane] != MLRT_NONE;
     }
     return 0;
 }
 
 /*
- * Decides the triangles at `places` of a vector for a lane, given edge functions and D. Sets the rest of *test. `to`
- * goes from the origin to corners a. Sets *nearest if the nearest hit changes. Returns 1 if a query for any hit has
- * one.
+ * Decides the triangles of a part of a leaf for a lane, given edge functions and D. Sets the rest of *test. `to` goes
+ * from the origin to corners a. Sets *nearest if the nearest hit changes. Returns 1 if a query for any hit has one.
  */
-MLRT_INLINE int settle_vector(const struct mlrt_job *job, const vf term[SIDE_TERMS], const vf to[3], vf t_min,
-                              const float *corners, uint32_t row, uint32_t places, const uint32_t *numbers,
-                              uint32_t lane, struct corner_rows *nearest, struct float_test *test,
-                              struct mlrt_packet *packet, struct mlrt_worker *worker)
+MLRT_INLINE int settle_vector(const struct mlrt_job *job, int any, const struct leaf_part *part,
+                              const vf term[SIDE_TERMS], const vf to[3], vf t_min, uint32_t lane,
+                              struct corner_rows *nearest, struct float_test *test, struct mlrt_packet *packet,
+                              struct mlrt_worker *worker)
 {
     set_edge_bound(term, to, test);
     const vm inside = may_be_inside(test, m_from_bits(ALL_LANES));
     if (VW <= 4 && !m_bits(inside)) return 0; /* wide vectors take one branch, after distances */
     set_plane(term, to, test);
-    return settle_places(job, numbers, corners, row, inside, places, test, lane, t_min, nearest, packet, worker);
+    return settle_places(job, any, part, inside, test, lane, t_min, nearest, packet, worker);
 }
 
 /* Counts the tests of a lane and the triangles of a leaf that it sees, in kernels that count. */
@@ -457,31 +464,27 @@ MLRT_INLINE void count_leaf_tests(const struct mlrt_job *job, const uint32_t *nu
 /*
  * Tests the triangles of a leaf. Sets *nearest if the nearest hit changes. Returns 1 if a query for any hit has one.
  */
-MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *ray, uint32_t leaf,
+MLRT_INLINE int test_leaf(const struct mlrt_job *job, int any, const struct single_ray *ray, uint32_t leaf,
                           struct corner_rows *nearest, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct mlrt_bvh *bvh = &job->tree->bvh;
     const uint32_t place_count = 4 * mlrt_bvh_quad_count(leaf);
-    const float *corners = bvh->corners + (size_t)36 * mlrt_bvh_offset(leaf);
-    const uint32_t *numbers = bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf);
-    uint32_t places = (1u << place_count) - 1; /* bits of other vectors do no harm */
-    count_leaf_tests(job, numbers, place_count, packet, ray->lane, worker);
+    struct leaf_part part = {bvh->corners + (size_t)36 * mlrt_bvh_offset(leaf),
+                             bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf), place_count, (1u << place_count) - 1};
+    count_leaf_tests(job, part.numbers, place_count, packet, ray->lane, worker);
     for (;;) {
         vf term[SIDE_TERMS], to[3];
         struct float_test test;
-        set_sides(corners, place_count, term);
+        set_sides(part.corners, place_count, term);
         MLRT_UNROLL
         for (int k = 0; k < 3; ++k) to[k] = v_sub(term[k], ray->origin[k]);
         set_edges(term, to, ray->direction, &test);
         set_side_sizes(ray->reach, term);
-        if (settle_vector(job, term, to, ray->t_min, corners, place_count, places, numbers, ray->lane, nearest, &test,
-                          packet, worker)) {
-            return 1;
-        }
-        places >>= VW;
-        if (VW == MLRT_BVH_LEAF_LIMIT || !places) return 0;
-        corners += VW;
-        numbers += VW;
+        if (settle_vector(job, any, &part, term, to, ray->t_min, ray->lane, nearest, &test, packet, worker)) return 1;
+        part.places >>= VW;
+        if (VW == MLRT_BVH_LEAF_LIMIT || !part.places) return 0;
+        part.corners += VW;
+        part.numbers += VW;
     }
 }
 
@@ -497,16 +500,15 @@ MLRT_INLINE float finite_limit(float hi)
 }
 
 /*
- * Traces one lane of a packet through `child` and the tree below it. Returns where the corners of its nearest hit lie;
- * if nothing nearer was found, `corner` is NULL.
+ * Traces one lane of a packet through `child` and the tree below it. `any` is that of the job. Returns where the
+ * corners of its nearest hit lie; if nothing nearer was found, `corner` is NULL.
  */
-static MLRT_NOINLINE struct mlrt_corners trace_single(const struct mlrt_job *job, const struct ray_rows *rows,
-                                                      uint32_t lane, uint32_t child, struct mlrt_packet *packet,
-                                                      struct mlrt_worker *worker)
+MLRT_INLINE struct mlrt_corners trace_lane(const struct mlrt_job *job, int any, const struct ray_rows *rows,
+                                           uint32_t lane, uint32_t child, struct mlrt_packet *packet,
+                                           struct mlrt_worker *worker)
 {
     const struct mlrt_bvh_node *nodes = job->tree->bvh.nodes;
     MLRT_ALIGNED(64) float order[MLRT_BVH_WIDTH];
-    const int any = job->any;
     uint64_t stack[WAITING_LIMIT];
     struct corner_rows nearest = {NULL, 0};
     uint32_t count = 0;
@@ -524,7 +526,7 @@ static MLRT_NOINLINE struct mlrt_corners trace_single(const struct mlrt_job *job
                 continue;
             }
         } else {
-            if (test_leaf(job, &ray, child, &nearest, packet, worker)) break;
+            if (test_leaf(job, any, &ray, child, &nearest, packet, worker)) break;
             limit = finite_limit(packet->nearest.hi[lane]);
         }
         do {
@@ -534,6 +536,13 @@ static MLRT_NOINLINE struct mlrt_corners trace_single(const struct mlrt_job *job
         child = (uint32_t)stack[count];
     }
     return (struct mlrt_corners){nearest.corner, (uint32_t)nearest.row, 1};
+}
+
+/* The same for lanes of packets, whose rays are many: compiled once for all queries. */
+static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct ray_rows *rows, uint32_t lane,
+                                       uint32_t child, struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    (void)trace_lane(job, job->any, rows, lane, child, packet, worker);
 }
 
 #endif
