@@ -96,39 +96,38 @@ static MLRT_NOINLINE void update_bundle(struct mlrt_bundle *bundle, uint32_t pla
 }
 
 /*
- * Divides the active rays of a packet in two parts where they are far from each other: it lies across an edge of what
- * is seen. Returns the rays of one part, or 0 if there is no such gap. `depth` is where rays are compared.
+ * Returns one half of the active rays of a packet: those below the middle, along the side where they are farthest apart.
+ * 0 if all are in one place. `depth` is where rays are compared.
  */
-static uint32_t find_part(const struct mlrt_bundle *bundle, uint32_t place, float depth)
+static uint32_t find_half(const struct mlrt_bundle *bundle, uint32_t place, float depth)
 {
     const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     const uint32_t active = bundle->tile->packets[place].active;
+    float width = 0;
+    uint32_t below = 0;
     for (int i = 0; i < 2; ++i) {
         MLRT_ALIGNED(64) float at[MLRT_PACKET_RAYS];
-        vf least = v_set1(INFINITY), greatest = v_set1(-INFINITY), below = greatest, above = least;
+        vf least = v_set1(INFINITY), greatest = v_set1(-INFINITY);
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             const vm lanes = m_from_bits(active >> v);
             const vf from = bundle->has.places ? v_load(rays->term[MLRT_PLACE_J + i] + v) : v_set1(0);
             const vf x = v_mul_add(v_load(rays->term[MLRT_SLOPE_J + i] + v), v_set1(depth), from);
-            v_store(at + v, v_select(lanes, x, v_set1(NAN)));
+            v_store(at + v, x);
             least = v_min(v_select(lanes, x, v_set1(INFINITY)), least);
             greatest = v_max(v_select(lanes, x, v_set1(-INFINITY)), greatest);
         }
-        const float lo = v_hmin(least), hi = v_hmax(greatest), middle = 0.5f * (lo + hi);
-        uint32_t part = 0;
+        const float lo = v_hmin(least), hi = v_hmax(greatest);
+        if (!(hi - lo > width)) continue;
+        width = hi - lo;
+        below = 0;
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            const vf x = v_load(at + v);
-            const vm is_below = v_lt(x, v_set1(middle)), is_above = v_ge(x, v_set1(middle));
-            part |= m_bits(is_below) << v;
-            below = v_max(v_select(is_below, x, v_set1(-INFINITY)), below);
-            above = v_min(v_select(is_above, x, v_set1(INFINITY)), above);
+            below |= m_bits(v_lt(v_load(at + v), v_set1(0.5f * (lo + hi)))) << v;
         }
-        if (v_hmin(above) - v_hmax(below) > MLRT_LEAST_GAP * (hi - lo)) return part;
     }
-    return 0;
+    return below & active;
 }
 
-/* Leaves one part of a packet in the bundle, and puts the other off, if it can be divided. */
+/* Leaves one half of a packet in the bundle, and puts the other off. */
 static void divide_packet(struct mlrt_bundle *bundle, uint32_t place)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
@@ -136,12 +135,12 @@ static void divide_packet(struct mlrt_bundle *bundle, uint32_t place)
     const float first = larger_of(hulls->first[place], bundle->scene.core_first), last = hulls->last[place];
     const float end = last < bundle->scene.core_last ? last : bundle->scene.core_last;
     need_lanes(bundle, place);
-    const uint32_t part = find_part(bundle, place, fabsf(end) > fabsf(first) ? end : first);
-    if (!part) return;
-    bundle->state.later[place] = (uint16_t)(packet->active & ~part);
+    const uint32_t half = find_half(bundle, place, fabsf(end) > fabsf(first) ? end : first);
+    if (!half) return;
+    bundle->state.later[place] = (uint16_t)(packet->active & ~half);
     bundle->state.divided |= 1u << place;
     bundle->state.closed &= ~(1u << place);
-    packet->active = part;
+    packet->active = half;
     bound_packet(bundle, place);
 }
 
@@ -475,7 +474,7 @@ static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
 
 /*
  * Takes packets that are far wider than the others out of a bundle. Where any hit will do, one triangle may hide all of
- * their rays: then they stay, and are divided if they can be, unless all rays are nearly parallel.
+ * their rays: then they stay, in two halves, unless all rays are nearly parallel.
  */
 static void take_wide_packets_apart(int any, uint32_t places, struct mlrt_bundle *bundle)
 {
