@@ -16,7 +16,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 #include "exact/determinants.h"
 #include "exact/integers.h"
@@ -93,45 +92,6 @@ int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_t
     *lo = mlrt_float_down(t.low > 0 ? t.low : 0);
     *hi = mlrt_float_up(t.high);
     return 1;
-}
-
-MLRT_INLINE uint32_t coordinate_bits(const struct mlrt_corners *corners, size_t place)
-{
-    uint32_t bits;
-    memcpy(&bits, corners->corner + place, sizeof bits);
-    return bits;
-}
-
-/* Do two triangles lie in one plane across an axis, by the bits of their coordinates? (For 0 and -0: no.) */
-MLRT_INLINE int share_flat_plane(const struct mlrt_corners *first, const struct mlrt_corners *second)
-{
-    int share = 0;
-    MLRT_UNROLL
-    for (size_t axis = 0; axis < 3; ++axis) {
-        const size_t row = first->row, other = second->row;
-        const uint32_t x = coordinate_bits(first, axis * row);
-        share |= ((x ^ coordinate_bits(first, (3 + axis) * row)) | (x ^ coordinate_bits(first, (6 + axis) * row)) |
-                  (x ^ coordinate_bits(second, axis * other)) | (x ^ coordinate_bits(second, (3 + axis) * other)) |
-                  (x ^ coordinate_bits(second, (6 + axis) * other))) == 0;
-    }
-    return share;
-}
-
-int mlrt_comes_first(const float origin[3], const float direction[3], const struct mlrt_corners *first,
-                     const struct mlrt_corners *second, int wins_tie)
-{
-    const struct mlrt_operands operands_1 = mlrt_load_operands(origin, direction, first->corner, first->row),
-                               operands_2 = mlrt_load_operands(origin, direction, second->corner, second->row);
-    const struct mlrt_crossing crossing_1 = mlrt_measure_crossing(&operands_1),
-                               crossing_2 = mlrt_measure_crossing(&operands_2);
-    const struct mlrt_measured order = mlrt_measure_order(&crossing_1, &crossing_2);
-    const double bound = MLRT_ORDER_ERROR * order.size;
-    const double later = order.value * copysign(1, crossing_1.d.value * crossing_2.d.value);
-    const int is_tie = share_flat_plane(first, second);
-    const int known =
-        is_tie | ((fabs(later) > bound) & is_safe_denominator(crossing_1.d) & is_safe_denominator(crossing_2.d));
-    if (!known) return -1;
-    return (is_tie & wins_tie) | ((is_tie ^ 1) & (later < 0));
 }
 
 /* Sets *result to the float that every number of the enclosure rounds to. Returns 0 if there is none. */

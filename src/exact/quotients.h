@@ -44,12 +44,4 @@ void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_trian
 int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int is_inside,
                          const struct mlrt_triangle *other, float *lo, float *hi);
 
-/*
- * Does a ray hit `first` before `second`, if it surely hits both? 1 or 0; -1 if double cannot tell. Of triangles in one
- * plane across an axis, it returns `wins_tie`, which is 0 or 1. Only uncertain answers take a branch, so callers that
- * use the result without one do not wait for it.
- */
-int mlrt_comes_first(const float origin[3], const float direction[3], const struct mlrt_corners *first,
-                     const struct mlrt_corners *second, int wins_tie);
-
 #endif

@@ -32,6 +32,7 @@
 #include <string.h>
 
 #include "base/counters.h"
+#include "exact/order.h"
 #include "exact/triangle.h"
 #include "hits/triangle_filter.h"
 #include "hits/undecided.h"
@@ -98,6 +99,16 @@ MLRT_INLINE struct ray_rows rows_of_lane(const struct mlrt_packet *packet, const
 {
     return (struct ray_rows){packet->has.apex ? packet->apex : packet->origin[0] + lane, packet->direction[0] + lane,
                              reciprocals->rounded[0] + lane, packet->has.apex ? 1 : MLRT_PACKET_RAYS, MLRT_PACKET_RAYS};
+}
+
+/* The same for the ray whose leaf is tested, of a call of its own or of a packet, but for reciprocals. */
+MLRT_INLINE struct ray_rows rows_of_tested_ray(const struct mlrt_packet *packet, uint32_t lane,
+                                               const struct mlrt_worker *worker)
+{
+    const struct mlrt_lone_ray *lone = worker->lone;
+    if (lone) return (struct ray_rows){lone->origin, lone->direction, NULL, 1, 1};
+    return (struct ray_rows){packet->has.apex ? packet->apex : packet->origin[0] + lane, packet->direction[0] + lane,
+                             NULL, packet->has.apex ? 1 : MLRT_PACKET_RAYS, MLRT_PACKET_RAYS};
 }
 
 MLRT_INLINE void set_single_ray(const struct ray_rows *rows, const struct mlrt_packet *packet, uint32_t lane,
@@ -288,14 +299,10 @@ MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const uint32_t *nu
                                   uint32_t row, uint32_t hit, uint32_t lane, struct corner_rows *nearest,
                                   struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    float origin[3], direction[3];
+    const struct ray_rows rows = rows_of_tested_ray(packet, lane, worker);
+    const struct two_vectors origin = mlrt_load_twice(rows.origin, rows.origin_step),
+                             direction = mlrt_load_twice(rows.direction, rows.step);
     uint32_t left = 0;
-    for (int k = 0; k < 3; ++k) {
-        origin[k] = worker->lone       ? worker->lone->origin[k]
-                    : packet->has.apex ? packet->apex[k]
-                                       : packet->origin[k][lane];
-        direction[k] = worker->lone ? worker->lone->direction[k] : packet->direction[k][lane];
-    }
     for (; hit; hit &= hit - 1) {
         const uint32_t i = mlrt_lowest_bit(hit), other = packet->nearest.triangle[lane];
         if (!nearest->corner) {
@@ -303,21 +310,23 @@ MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const uint32_t *nu
             *nearest = (struct corner_rows){found.corner, found.row};
         }
         const struct mlrt_corners first = {corners + i, row, 1}, second = {nearest->corner, (uint32_t)nearest->row, 1};
-        const int is_tie =
-            !worker->lone && mlrt_known_plane_of(worker, numbers[i]) == mlrt_known_plane_of(worker, other);
-        const int comes_first =
-            is_tie ? numbers[i] < other : mlrt_comes_first(origin, direction, &first, &second, numbers[i] < other);
-        if (MLRT_UNLIKELY(comes_first < 0)) {
-            left |= 1u << i;
-            continue;
+        const int wins_tie = numbers[i] < other;
+        int is_first = mlrt_comes_first(origin, direction, &first, &second, wins_tie), is_tie = 0;
+        if (MLRT_UNLIKELY(is_first < 0)) {
+            is_tie = !worker->lone && mlrt_known_plane_of(worker, numbers[i]) == mlrt_known_plane_of(worker, other);
+            if (!is_tie) {
+                left |= 1u << i;
+                continue;
+            }
+            is_first = wins_tie;
         }
         COUNT(&worker->counters, tie_lane_count, (uint32_t)is_tie);
         COUNT(&worker->counters, undecided_test_count, !is_tie);
         COUNT(&worker->counters, judged_lane_count, !is_tie);
-        const uint32_t take = 0u - (uint32_t)comes_first;
+        const uint32_t take = 0u - (uint32_t)is_first;
         packet->nearest.triangle[lane] = (numbers[i] & take) | (other & ~take);
-        nearest->corner = comes_first ? first.corner : nearest->corner;
-        nearest->row = comes_first ? first.row : nearest->row;
+        nearest->corner = is_first ? first.corner : nearest->corner;
+        nearest->row = is_first ? first.row : nearest->row;
     }
     return left;
 }
@@ -330,13 +339,13 @@ static MLRT_NOINLINE uint32_t places_ahead(const float *corners, uint32_t row, u
                                            const struct mlrt_packet *packet, const struct mlrt_worker *worker)
 {
     vf term[SIDE_TERMS], to[3], d[3];
+    const struct ray_rows rows = rows_of_tested_ray(packet, lane, worker);
     struct float_test test;
     set_sides(corners, row, term);
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        const float *origin = packet->has.apex ? &packet->apex[k] : &packet->origin[k][lane];
-        to[k] = v_sub(term[k], v_set1(worker->lone ? worker->lone->origin[k] : *origin));
-        d[k] = v_set1(worker->lone ? worker->lone->direction[k] : packet->direction[k][lane]);
+        to[k] = v_sub(term[k], v_set1(rows.origin[k * rows.origin_step]));
+        d[k] = v_set1(rows.direction[k * rows.step]);
     }
     set_plane_by_components(term, to, d, &test);
     return m_bits(
