@@ -18,7 +18,7 @@ struct two_vectors {
     d2 x, y, z;
 };
 
-/* Reads corners, or others `step` coordinates behind them. */
+/* Corner 0, 1 or 2 of both. */
 MLRT_INLINE struct two_vectors load_two(const struct mlrt_corners *first, const struct mlrt_corners *second,
                                         size_t corner)
 {
@@ -27,6 +27,7 @@ MLRT_INLINE struct two_vectors load_two(const struct mlrt_corners *first, const 
     return (struct two_vectors){d2_load(p, q), d2_load(p + row, q + other), d2_load(p + 2 * row, q + 2 * other)};
 }
 
+/* One vector, whose coordinates are `step` floats apart, for both. */
 MLRT_INLINE struct two_vectors mlrt_load_twice(const float *p, size_t step)
 {
     return (struct two_vectors){d2_load1(p), d2_load1(p + step), d2_load1(p + 2 * step)};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Two doubles, for code that computes the same of two things and is compiled once. No sums are contracted. */
+/* Two doubles, for code that computes the same of two things. No product and sum become one operation. */
 #ifndef MLRT_DOUBLE_PAIR_H
 #define MLRT_DOUBLE_PAIR_H
 
