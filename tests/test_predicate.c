@@ -743,8 +743,8 @@ static void check_comes_first(const struct test_case *test, const struct mlrt_tr
     for (int i = 0; i < 9; ++i) places[i][2] = test->triangle.v[i / 3][i % 3];
     const struct mlrt_corners corners = {&places[0][2], 4, 1}, others = {second->v[0], 1, 0};
     for (int wins_tie = 0; wins_tie < 2; ++wins_tie) {
-        const int said = mlrt_comes_first(mlrt_load_twice(ray->origin, 1), mlrt_load_twice(ray->direction, 1), &corners,
-                                          &others, wins_tie);
+        const int said =
+            comes_first(load_twice(ray->origin, 1), load_twice(ray->direction, 1), &corners, &others, wins_tie);
         check(said < 0 || said == (order ? order < 0 : wins_tie), "comes_first", test);
     }
 }

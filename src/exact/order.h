@@ -28,7 +28,7 @@ MLRT_INLINE struct two_vectors load_two(const struct mlrt_corners *first, const 
 }
 
 /* One vector, whose coordinates are `step` floats apart, for both. */
-MLRT_INLINE struct two_vectors mlrt_load_twice(const float *p, size_t step)
+MLRT_INLINE struct two_vectors load_twice(const float *p, size_t step)
 {
     return (struct two_vectors){d2_load1(p), d2_load1(p + step), d2_load1(p + 2 * step)};
 }
@@ -70,8 +70,8 @@ MLRT_INLINE int share_plane_across(d2 ab, d2 ac, d2 a)
  * plane across an axis, it returns `wins_tie`, which is 0 or 1. Only uncertain answers take a branch, so callers that
  * use the result without one do not wait for it. `origin` and `along` are those of the ray, twice.
  */
-MLRT_INLINE int mlrt_comes_first(struct two_vectors origin, struct two_vectors along, const struct mlrt_corners *first,
-                                 const struct mlrt_corners *second, int wins_tie)
+MLRT_INLINE int comes_first(struct two_vectors origin, struct two_vectors along, const struct mlrt_corners *first,
+                            const struct mlrt_corners *second, int wins_tie)
 {
     const struct two_vectors a = load_two(first, second, 0);
     const struct two_vectors ab = subtract_two(load_two(first, second, 1), a),

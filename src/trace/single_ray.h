@@ -300,8 +300,8 @@ MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const uint32_t *nu
                                   struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct ray_rows rows = rows_of_tested_ray(packet, lane, worker);
-    const struct two_vectors origin = mlrt_load_twice(rows.origin, rows.origin_step),
-                             direction = mlrt_load_twice(rows.direction, rows.step);
+    const struct two_vectors origin = load_twice(rows.origin, rows.origin_step),
+                             direction = load_twice(rows.direction, rows.step);
     uint32_t left = 0;
     for (; hit; hit &= hit - 1) {
         const uint32_t i = mlrt_lowest_bit(hit), other = packet->nearest.triangle[lane];
@@ -311,7 +311,7 @@ MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const uint32_t *nu
         }
         const struct mlrt_corners first = {corners + i, row, 1}, second = {nearest->corner, (uint32_t)nearest->row, 1};
         const int wins_tie = numbers[i] < other;
-        int is_first = mlrt_comes_first(origin, direction, &first, &second, wins_tie), is_tie = 0;
+        int is_first = comes_first(origin, direction, &first, &second, wins_tie), is_tie = 0;
         if (MLRT_UNLIKELY(is_first < 0)) {
             is_tie = !worker->lone && mlrt_known_plane_of(worker, numbers[i]) == mlrt_known_plane_of(worker, other);
             if (!is_tie) {
