@@ -879,6 +879,9 @@ static void walls_across_one_axis(void **state)
             other.triangle.v[j][axis] = other_plane;
         }
         check_pair(&test, &other.triangle);
+        float *corner = &other.triangle.v[next_random() % 3][axis]; /* no wall any more */
+        *corner = nudge(*corner, 1);
+        check_pair(&test, &other.triangle);
     }
 }
 

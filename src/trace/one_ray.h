@@ -17,11 +17,6 @@ struct lone_search {
     struct mlrt_known_plane plane; /* the only one that the worker can keep */
 };
 
-MLRT_INLINE struct ray_rows rows_of_lone_ray(const struct mlrt_lone_ray *ray)
-{
-    return (struct ray_rows){ray->origin, ray->direction, ray->reciprocal, 1, 1};
-}
-
 /*
  * Sets what is needed to trace a ray, whose numbers are in units, through boxes: as lane 0 of *packet, which is that of
  * `scaled`, if the unit is not 1. fill_lone_packet (units.h) sets other fields where they are needed.

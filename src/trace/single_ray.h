@@ -93,22 +93,23 @@ struct ray_rows {
     size_t step;
 };
 
-/* Finds the numbers of a lane of a packet. */
-MLRT_INLINE struct ray_rows rows_of_lane(const struct mlrt_packet *packet, const struct mlrt_reciprocals *reciprocals,
-                                         uint32_t lane)
+/* Finds the numbers of a lane of a packet, but for reciprocals. */
+MLRT_INLINE struct ray_rows rows_of_lane(const struct mlrt_packet *packet, uint32_t lane)
 {
     return (struct ray_rows){packet->has.apex ? packet->apex : packet->origin[0] + lane, packet->direction[0] + lane,
-                             reciprocals->rounded[0] + lane, packet->has.apex ? 1 : MLRT_PACKET_RAYS, MLRT_PACKET_RAYS};
+                             NULL, packet->has.apex ? 1 : MLRT_PACKET_RAYS, MLRT_PACKET_RAYS};
 }
 
-/* The same for the ray whose leaf is tested, of a call of its own or of a packet, but for reciprocals. */
+MLRT_INLINE struct ray_rows rows_of_lone_ray(const struct mlrt_lone_ray *ray)
+{
+    return (struct ray_rows){ray->origin, ray->direction, ray->reciprocal, 1, 1};
+}
+
+/* The same for the ray whose leaf is tested, of a call of its own or of a packet. */
 MLRT_INLINE struct ray_rows rows_of_tested_ray(const struct mlrt_packet *packet, uint32_t lane,
                                                const struct mlrt_worker *worker)
 {
-    const struct mlrt_lone_ray *lone = worker->lone;
-    if (lone) return (struct ray_rows){lone->origin, lone->direction, NULL, 1, 1};
-    return (struct ray_rows){packet->has.apex ? packet->apex : packet->origin[0] + lane, packet->direction[0] + lane,
-                             NULL, packet->has.apex ? 1 : MLRT_PACKET_RAYS, MLRT_PACKET_RAYS};
+    return worker->lone ? rows_of_lone_ray(worker->lone) : rows_of_lane(packet, lane);
 }
 
 MLRT_INLINE void set_single_ray(const struct ray_rows *rows, const struct mlrt_packet *packet, uint32_t lane,
