@@ -599,8 +599,7 @@ static MLRT_NOINLINE void trace_few_lanes(const struct mlrt_job *job, uint32_t c
 {
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
-        struct ray_rows rows = rows_of_lane(packet, lane);
-        rows.reciprocal = search->reciprocals.rounded[0] + lane;
+        const struct ray_rows rows = rows_of_lane(packet, &search->reciprocals, lane);
         trace_single(job, &rows, lane, child, packet, worker);
         if (job->any && packet->nearest.triangle[lane] != MLRT_NONE) search->alive &= ~(1u << lane);
     }

@@ -93,11 +93,13 @@ struct ray_rows {
     size_t step;
 };
 
-/* Finds the numbers of a lane of a packet, but for reciprocals. */
-MLRT_INLINE struct ray_rows rows_of_lane(const struct mlrt_packet *packet, uint32_t lane)
+/* Finds the numbers of a lane of a packet; without reciprocals if `reciprocals` is null. */
+MLRT_INLINE struct ray_rows rows_of_lane(const struct mlrt_packet *packet, const struct mlrt_reciprocals *reciprocals,
+                                         uint32_t lane)
 {
     return (struct ray_rows){packet->has.apex ? packet->apex : packet->origin[0] + lane, packet->direction[0] + lane,
-                             NULL, packet->has.apex ? 1 : MLRT_PACKET_RAYS, MLRT_PACKET_RAYS};
+                             reciprocals ? reciprocals->rounded[0] + lane : NULL,
+                             packet->has.apex ? 1 : MLRT_PACKET_RAYS, MLRT_PACKET_RAYS};
 }
 
 MLRT_INLINE struct ray_rows rows_of_lone_ray(const struct mlrt_lone_ray *ray)
@@ -109,7 +111,7 @@ MLRT_INLINE struct ray_rows rows_of_lone_ray(const struct mlrt_lone_ray *ray)
 MLRT_INLINE struct ray_rows rows_of_tested_ray(const struct mlrt_packet *packet, uint32_t lane,
                                                const struct mlrt_worker *worker)
 {
-    return worker->lone ? rows_of_lone_ray(worker->lone) : rows_of_lane(packet, lane);
+    return worker->lone ? rows_of_lone_ray(worker->lone) : rows_of_lane(packet, NULL, lane);
 }
 
 MLRT_INLINE void set_single_ray(const struct ray_rows *rows, const struct mlrt_packet *packet, uint32_t lane,

@@ -184,8 +184,7 @@ static MLRT_NOINLINE void trace_lanes_of_packet(const struct mlrt_job *job, stru
     bundle->state.has_reciprocals |= 1u << place;
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes), before = packet->nearest.triangle[lane];
-        struct ray_rows rows = rows_of_lane(packet, lane);
-        rows.reciprocal = bundle->tile->reciprocals[place].rounded[0] + lane;
+        const struct ray_rows rows = rows_of_lane(packet, &bundle->tile->reciprocals[place], lane);
         trace_single(job, &rows, lane, child, packet, worker);
         if (packet->nearest.triangle[lane] == before) continue;
         set_lane_depths(packet, lane, rays);
