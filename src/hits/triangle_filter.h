@@ -154,6 +154,13 @@ MLRT_INLINE vm may_be_nearer(const struct float_test *test, vm candidates, vf t_
     return m_andnot(candidates, m_and(v_gt(t.least_d, test->plane_bound), farther));
 }
 
+/* The triangles whose planes are surely met behind t_min, where D has a certain sign. */
+MLRT_INLINE vm surely_begun(const struct float_test *test, vf t_min)
+{
+    const struct fraction t = bound_fraction(test);
+    return v_gt(t.least_n, v_mul(t_min, t.greatest_d));
+}
+
 /*
  * The verdict on `candidates`, but for its lo and hi. These are not surely outside, and may be nearer as above. The
  * nearest hits so far lie behind `lo`.
@@ -163,9 +170,9 @@ MLRT_INLINE struct verdict compare_with_nearest_hits(const struct float_test *te
     struct verdict verdict;
     const struct fraction t = bound_fraction(test);
     const vm certain = m_and(candidates, v_gt(t.least_d, test->plane_bound));
-    const vm nearer = m_and(v_lt(t.greatest_n, v_mul(lo, t.least_d)), v_gt(t.least_n, v_mul(t_min, t.greatest_d)));
+    const vm before = v_lt(t.greatest_n, v_mul(lo, t.least_d));
     verdict.inside = m_and(certain, v_gt(test->inner, test->edge_bound));
-    verdict.nearer = m_and(verdict.inside, nearer);
+    verdict.nearer = m_and(verdict.inside, m_and(before, surely_begun(test, t_min)));
     verdict.undecided = m_andnot(candidates, verdict.nearer);
     verdict.lo = verdict.hi = v_set1(0);
     return verdict;

@@ -554,11 +554,11 @@ MLRT_INLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job, const fl
     const vm candidates = may_be_nearer(&test, inside, t_min, v_load(packet->nearest.hi + v));
     if (!m_bits(candidates)) return 0; /* one branch, after distances */
     struct verdict verdict = compare_with_nearest_hits(&test, candidates, t_min, v_load(packet->nearest.lo + v));
-    bound_distances(&test, &verdict);
+    if (m_bits(verdict.nearer)) bound_distances(&test, &verdict);
     keep_verdict(&verdict, number, v, packet, &outcome);
     if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;
-    const uint32_t begun = m_bits(v_gt(verdict.lo, t_min)) << v;
-    if (outcome.undecided & ~begun) return settle_starts(job, terms, place, number, outcome, v, packet, worker);
+    if (outcome.undecided & ~(m_bits(surely_begun(&test, t_min)) << v))
+        return settle_starts(job, terms, place, number, outcome, v, packet, worker);
     return outcome.nearer | decide_scaled_lanes(job, number, outcome.undecided, outcome.inside, packet, worker);
 }
 

@@ -357,8 +357,8 @@ static MLRT_NOINLINE uint32_t places_ahead(const float *corners, uint32_t row, u
 
 /*
  * Decides the triangles at places of a leaf that float leaves undecided. The ray is surely inside the edges of those in
- * `inside`, which it hits at lo[i] or behind, unless they lie before t_min. `nearest`: where the corners of the nearest
- * hit so far lie, if that is known. Returns where they lie afterwards.
+ * `inside`. It surely meets those in `hit`, at lo[i] or behind, unless any hit will do, where its end is in question.
+ * `nearest`: where the corners of the nearest hit so far lie, if that is known. Returns where they lie afterwards.
  *
  * Most rays that leave a surface begin one float beside it, and are undecided for the triangles of its plane. Float
  * tells by components that they leave them.
@@ -369,23 +369,22 @@ static MLRT_NOINLINE uint32_t places_ahead(const float *corners, uint32_t row, u
  */
 static MLRT_NOINLINE struct corner_rows settle_undecided(const struct mlrt_job *job, const uint32_t *numbers,
                                                          const float *corners, uint32_t row, uint32_t undecided,
-                                                         uint32_t inside, const float *lo, uint32_t lane,
+                                                         uint32_t inside, uint32_t hit, const float *lo, uint32_t lane,
                                                          struct corner_rows nearest, struct mlrt_packet *packet,
                                                          struct mlrt_worker *worker)
 {
-    uint32_t tried = 0, hit = 0;
-    float least = packet->nearest.lo[lane];
-    for (uint32_t left = undecided & inside; left; left &= left - 1) {
-        const float x = lo[mlrt_lowest_bit(left)];
-        if (!(x > packet->t_min[lane])) continue;
-        hit |= left & (0u - left);
-        least = x < least ? x : least;
-    }
+    uint32_t tried = 0;
+    hit &= undecided;
     if (undecided & ~hit) {
         undecided &= hit | places_ahead(corners, row, lane, packet, worker);
         if (!undecided) return nearest;
     }
     if (hit && packet->nearest.triangle[lane] != MLRT_NONE && !worker->scaled) {
+        float least = packet->nearest.lo[lane];
+        for (uint32_t left = hit; left; left &= left - 1) {
+            const float x = lo[mlrt_lowest_bit(left)];
+            least = x < least ? x : least;
+        }
         packet->nearest.lo[lane] = least;
         tried = order_places(job, numbers, corners, row, hit, lane, &nearest, packet, worker);
         undecided = (undecided & ~hit) | tried;
@@ -424,19 +423,22 @@ MLRT_INLINE int settle_places(const struct mlrt_job *job, int any, const struct 
         return 1;
     }
     if (!(nearer | undecided)) return 0;
+    const uint32_t hit = m_bits(m_and(verdict.inside, surely_begun(test, t_min)));
     MLRT_ALIGNED(64) float lo[VW];
     MLRT_ALIGNED(64) float greatest[VW];
-    bound_distances(test, &verdict);
-    v_store(lo, verdict.lo);
-    v_store(greatest, verdict.hi);
-    if (nearer) {
+    if (!any) {
+        bound_distances(test, &verdict);
+        v_store(lo, verdict.lo);
+        v_store(greatest, verdict.hi);
+    }
+    if (!any && nearer) {
         uint32_t place;
         undecided |= keep_nearest(lo, greatest, nearer, part->numbers, lane, packet, &place);
         *nearest = (struct corner_rows){part->corners + place, part->row};
     }
     if (MLRT_UNLIKELY(undecided)) {
-        *nearest = settle_undecided(job, part->numbers, part->corners, part->row, undecided, m_bits(verdict.inside), lo,
-                                    lane, *nearest, packet, worker);
+        *nearest = settle_undecided(job, part->numbers, part->corners, part->row, undecided, m_bits(verdict.inside),
+                                    hit, any ? NULL : lo, lane, *nearest, packet, worker);
         return any && packet->nearest.triangle[lane] != MLRT_NONE;
     }
     return 0;
