@@ -43,12 +43,6 @@ static int search_along(const struct mlrt_triangle *triangle, const double base[
     return 1;
 }
 
-/* The exact signs of side * normal; 0 for components where the first vertex is at the end of the range of float. */
-static void find_normal_signs(const struct mlrt_triangle *triangle, int side, double direction[3])
-{
-    for (int k = 0; k < 3; ++k) direction[k] = triangle->v[0][k] > -FLT_MAX ? side * mlrt_facing_axis(triangle, k) : 0;
-}
-
 /* side * normal in double, scaled so that its largest component is +-1. Returns 0 if all components round to 0. */
 static int find_normal(const struct mlrt_triangle *triangle, int side, double direction[3])
 {
@@ -70,6 +64,6 @@ int mlrt_find_offset_point(const struct mlrt_triangle *triangle, float u, float 
         base[k] = a + u * (triangle->v[1][k] - a) + v * (triangle->v[2][k] - a) - (from ? from[k] : 0);
     }
     if (find_normal(triangle, side, direction) && search_along(triangle, base, direction, side, from, point)) return 1;
-    find_normal_signs(triangle, side, direction);
+    for (int k = 0; k < 3; ++k) direction[k] = side * mlrt_facing_axis(triangle, k); /* the exact signs of the normal */
     return search_along(triangle, base, direction, side, from, point);
 }
