@@ -48,7 +48,8 @@
 #   make check-header    compiles mlrt.h alone, in every C and C++ of the compilers here
 #   make check-layers    checks all includes in src: no circle, no arrow upward, each header compiles alone; no crowded struct
 #   make check-lemmas    proves bounds of docs/accuracy.md, if Gappa is installed
-#   make check-tables    compares tables, watched figures and charts of README.md, docs/ and bindings/ with docs/data
+#   make check-tables    compares tables, watched figures and charts of README.md, docs/ and bindings/ with docs/data, and tests
+#                        the scripts that make them
 #   make check-copies    runs three copies of the library in one process
 #   make check-churn     makes and destroys 10,000 trees and pools under valgrind
 #   make fuzz CC=clang SAN=address,undefined,fuzzer-no-link   fuzzes the loading of trees; FUZZ has options of libFuzzer
@@ -453,6 +454,7 @@ tables:
 check-tables:
 	@$(PYTHON) examples/common/tables.py --check docs/data $(DOCUMENTS) $(CHARTS)
 	@sh tests/tables.sh $(PYTHON) $(BUILD)/tables
+	@$(PYTHON) tests/check_lives.py examples/bench/lives.py
 
 # ---- tests ---------------------------------------------------------------------------------------------------------
 
