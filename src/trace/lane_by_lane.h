@@ -203,22 +203,31 @@ MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struc
                                   const struct mlrt_bvh_node *node, uint32_t place, uint32_t lanes, int any,
                                   float *near)
 {
+    enum { VECTORS = MLRT_PACKET_RAYS / VW };
     uint32_t met = 0;
-    vf nearest = v_set1(INFINITY);
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        vf first = v_load(packet->t_min + v), last = v_min(v_load(packet->nearest.hi + v), v_set1(FLT_MAX));
+    vf first[VECTORS], last[VECTORS], nearest = v_set1(INFINITY);
+    MLRT_UNROLL
+    for (int i = 0; i < VECTORS; ++i) {
+        first[i] = v_load(packet->t_min + i * VW);
+        last[i] = v_min(v_load(packet->nearest.hi + i * VW), v_set1(FLT_MAX));
+    }
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vf lo = v_set1(node->lo[k][place]), hi = v_set1(node->hi[k][place]);
         MLRT_UNROLL
-        for (int k = 0; k < 3; ++k) {
-            const vf lo = v_set1(node->lo[k][place]), hi = v_set1(node->hi[k][place]);
-            const vm down = m_from_bits(search->negative[k] >> v);
-            const vf origin = v_load(packet->origin[k] + v);
+        for (int i = 0; i < VECTORS; ++i) {
+            const vf origin = v_load(packet->origin[k] + i * VW), near_factor = v_load(search->near[k] + i * VW);
+            const vm down = v_gt(near_factor, v_set1(0));
             const vf x = v_sub(origin, v_select(down, hi, lo)), y = v_sub(origin, v_select(down, lo, hi));
-            first = v_max(v_mul(x, v_load(search->near[k] + v)), first);
-            last = v_min(v_mul(y, v_load(search->far[k] + v)), last);
+            first[i] = v_max(v_mul(x, near_factor), first[i]);
+            last[i] = v_min(v_mul(y, v_load(search->far[k] + i * VW)), last[i]);
         }
-        const vm hit = m_and(m_from_bits(lanes >> v), v_le(first, last));
-        nearest = v_min(v_select(hit, any ? v_sub(first, last) : first, v_set1(INFINITY)), nearest);
-        met |= m_bits(hit) << v;
+    }
+    MLRT_UNROLL
+    for (int i = 0; i < VECTORS; ++i) {
+        const vm hit = m_and(m_from_bits(lanes >> i * VW), v_le(first[i], last[i]));
+        nearest = v_min(v_select(hit, any ? v_sub(first[i], last[i]) : first[i], v_set1(INFINITY)), nearest);
+        met |= m_bits(hit) << i * VW;
     }
     *near = v_hmin(nearest);
     return met;
