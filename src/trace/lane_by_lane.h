@@ -78,7 +78,8 @@ struct lanes_search {
     MLRT_ALIGNED(64) float near[3][MLRT_PACKET_RAYS];        /* -1 / d, moved toward 0 */
     MLRT_ALIGNED(64) float far[3][MLRT_PACKET_RAYS];         /* -1 / d, moved away from 0 */
     MLRT_ALIGNED(64) uint32_t near_row[3][MLRT_PACKET_RAYS]; /* as in struct single_ray */
-    uint32_t negative[3];                                    /* lanes whose d_k is below 0 */
+    MLRT_ALIGNED(64) uint32_t far_row[3][MLRT_PACKET_RAYS];
+    uint32_t negative[3]; /* lanes whose d_k is below 0 */
     struct lanes_hull hull;
     int one_origin;
     float origin[3]; /* of all rays, if one_origin */
@@ -121,7 +122,9 @@ MLRT_INLINE void set_lanes_along(struct mlrt_packet *packet, uint32_t lanes, int
         v_store(search->reciprocals.rounded[k] + v, r);
         v_store(search->near[k] + v, v_mul(r, v_set1(RECIPROCAL_SLACK - 1)));
         v_store(search->far[k] + v, v_mul(r, v_set1(-RECIPROCAL_SLACK - 1)));
-        i_store(search->near_row[k] + v, i_select(down, i_set1(row_of_planes(1, k)), i_set1(row_of_planes(0, k))));
+        const vi lower = i_set1(row_of_planes(0, k)), upper = i_set1(row_of_planes(1, k));
+        i_store(search->near_row[k] + v, i_select(down, upper, lower));
+        i_store(search->far_row[k] + v, i_select(down, lower, upper));
         negative |= m_bits(down) << v;
         add_to_extremes(v_add(v_load(packet->origin[k] + v), none), &origins);
         add_to_extremes(v_add(d, none), &directions);
@@ -287,9 +290,8 @@ MLRT_INLINE uint32_t test_boxes_by_lanes(const struct mlrt_packet *packet, const
         }
         MLRT_UNROLL
         for (uint32_t k = 0; k < 3; ++k) {
-            const uint32_t near_row = search->near_row[k][lane];
-            const float *near = (const float *)(const void *)(planes + near_row);
-            const float *far = (const float *)(const void *)(planes + opposite_row(near_row, k));
+            const float *near = (const float *)(const void *)(planes + search->near_row[k][lane]);
+            const float *far = (const float *)(const void *)(planes + search->far_row[k][lane]);
             const vf origin = v_set1(packet->origin[k][lane]);
             MLRT_UNROLL
             for (int i = 0; i < VECTORS_TOGETHER; ++i) {

@@ -56,12 +56,6 @@ MLRT_INLINE uint32_t row_of_planes(uint32_t is_upper, uint32_t k)
     return (3 * is_upper + k) * (uint32_t)sizeof(float[MLRT_BVH_WIDTH]);
 }
 
-/* The other of these rows. */
-MLRT_INLINE uint32_t opposite_row(uint32_t row, uint32_t k)
-{
-    return row_of_planes(0, k) + row_of_planes(1, k) - row;
-}
-
 struct single_ray {
     vf origin[3];
     vf direction[3];
