@@ -175,26 +175,37 @@ static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes
 /* Returns the boxes of a node that the hull of all lanes meets. Rays end at `farthest` at the latest. */
 MLRT_INLINE uint32_t boxes_of_lanes(const struct lanes_search *search, const struct mlrt_bvh_node *node, float farthest)
 {
+    enum { VECTORS = MLRT_BVH_WIDTH / VW };
     uint32_t met = 0;
-    for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
-        vf first = v_set1(search->hull.least_t_min), last = v_set1(farthest);
-        vm may = v_le(v_load(node->lo[0] + v), v_load(node->hi[0] + v));
-        for (int k = 0; k < 3; ++k) {
-            const vf least = v_load(node->lo[k] + v), greatest = v_load(node->hi[k] + v);
-            const vf from = v_set1(search->hull.lo[k]), to = v_set1(search->hull.hi[k]);
-            if (search->hull.agree[k]) {
-                const int down = search->negative[k] != 0;
-                const vf lo = v_set1(search->hull.reciprocal_lo[k]), hi = v_set1(search->hull.reciprocal_hi[k]);
-                const vf near = down ? v_sub(from, greatest) : v_sub(to, least);
-                const vf far = down ? v_sub(to, least) : v_sub(from, greatest);
-                first = v_max(v_min(v_mul(near, lo), v_mul(near, hi)), first);
-                last = v_min(v_max(v_mul(far, lo), v_mul(far, hi)), last);
-            } else {
-                may = m_and(may, m_and(v_le(least, to), v_ge(greatest, from)));
-            }
-        }
-        met |= m_bits(m_and(may, v_le(first, last))) << v;
+    vf first[VECTORS], last[VECTORS];
+    vm may[VECTORS];
+    MLRT_UNROLL
+    for (int i = 0; i < VECTORS; ++i) {
+        first[i] = v_set1(search->hull.least_t_min), last[i] = v_set1(farthest);
+        may[i] = v_le(v_load(node->lo[0] + i * VW), v_load(node->hi[0] + i * VW));
     }
+    for (int k = 0; k < 3; ++k) {
+        const vf from = v_set1(search->hull.lo[k]), to = v_set1(search->hull.hi[k]);
+        const vf lo = v_set1(search->hull.reciprocal_lo[k]), hi = v_set1(search->hull.reciprocal_hi[k]);
+        const int down = search->negative[k] != 0;
+        if (!search->hull.agree[k]) {
+            MLRT_UNROLL
+            for (int i = 0; i < VECTORS; ++i) {
+                may[i] = m_and(may[i],
+                               m_and(v_le(v_load(node->lo[k] + i * VW), to), v_ge(v_load(node->hi[k] + i * VW), from)));
+            }
+            continue;
+        }
+        MLRT_UNROLL
+        for (int i = 0; i < VECTORS; ++i) {
+            const vf x = v_sub(to, v_load(node->lo[k] + i * VW)), y = v_sub(from, v_load(node->hi[k] + i * VW));
+            const vf near = down ? y : x, far = down ? x : y;
+            first[i] = v_max(v_min(v_mul(near, lo), v_mul(near, hi)), first[i]);
+            last[i] = v_min(v_max(v_mul(far, lo), v_mul(far, hi)), last[i]);
+        }
+    }
+    MLRT_UNROLL
+    for (int i = 0; i < VECTORS; ++i) met |= m_bits(m_and(may[i], v_le(first[i], last[i]))) << i * VW;
     return met;
 }
 
