@@ -72,13 +72,18 @@ struct lanes_hull {
     float farthest; /* the greatest t where a ray ends, before any hit */
 };
 
+/* The rays of a packet as they are tested against boxes, as in struct single_ray. */
+struct lanes_slabs {
+    MLRT_ALIGNED(64) float near[3][MLRT_PACKET_RAYS]; /* -1 / d, moved toward 0 */
+    MLRT_ALIGNED(64) float far[3][MLRT_PACKET_RAYS];  /* -1 / d, moved away from 0 */
+    MLRT_ALIGNED(64) uint32_t near_row[3][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) uint32_t far_row[3][MLRT_PACKET_RAYS];
+};
+
 /* The search of a packet: its rays as they are tested against boxes, and its stack. */
 struct lanes_search {
     struct mlrt_reciprocals reciprocals;
-    MLRT_ALIGNED(64) float near[3][MLRT_PACKET_RAYS];        /* -1 / d, moved toward 0 */
-    MLRT_ALIGNED(64) float far[3][MLRT_PACKET_RAYS];         /* -1 / d, moved away from 0 */
-    MLRT_ALIGNED(64) uint32_t near_row[3][MLRT_PACKET_RAYS]; /* as in struct single_ray */
-    MLRT_ALIGNED(64) uint32_t far_row[3][MLRT_PACKET_RAYS];
+    struct lanes_slabs slabs;
     uint32_t negative[3]; /* lanes whose d_k is below 0 */
     struct lanes_hull hull;
     int one_origin;
@@ -120,11 +125,11 @@ MLRT_INLINE void set_lanes_along(struct mlrt_packet *packet, uint32_t lanes, int
         const vf d = v_load(packet->direction[k] + v), r = v_div(v_set1(1), d);
         const vm down = v_lt(d, v_set1(0));
         v_store(search->reciprocals.rounded[k] + v, r);
-        v_store(search->near[k] + v, v_mul(r, v_set1(RECIPROCAL_SLACK - 1)));
-        v_store(search->far[k] + v, v_mul(r, v_set1(-RECIPROCAL_SLACK - 1)));
+        v_store(search->slabs.near[k] + v, v_mul(r, v_set1(RECIPROCAL_SLACK - 1)));
+        v_store(search->slabs.far[k] + v, v_mul(r, v_set1(-RECIPROCAL_SLACK - 1)));
         const vi lower = i_set1(row_of_planes(0, k)), upper = i_set1(row_of_planes(1, k));
-        i_store(search->near_row[k] + v, i_select(down, upper, lower));
-        i_store(search->far_row[k] + v, i_select(down, lower, upper));
+        i_store(search->slabs.near_row[k] + v, i_select(down, upper, lower));
+        i_store(search->slabs.far_row[k] + v, i_select(down, lower, upper));
         negative |= m_bits(down) << v;
         add_to_extremes(v_add(v_load(packet->origin[k] + v), none), &origins);
         add_to_extremes(v_add(d, none), &directions);
@@ -230,11 +235,11 @@ MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struc
         const vf lo = v_set1(node->lo[k][place]), hi = v_set1(node->hi[k][place]);
         MLRT_UNROLL
         for (int i = 0; i < VECTORS; ++i) {
-            const vf origin = v_load(packet->origin[k] + i * VW), near_factor = v_load(search->near[k] + i * VW);
+            const vf origin = v_load(packet->origin[k] + i * VW), near_factor = v_load(search->slabs.near[k] + i * VW);
             const vm down = v_gt(near_factor, v_set1(0));
             const vf x = v_sub(origin, v_select(down, hi, lo)), y = v_sub(origin, v_select(down, lo, hi));
             first[i] = v_max(v_mul(x, near_factor), first[i]);
-            last[i] = v_min(v_mul(y, v_load(search->far[k] + i * VW)), last[i]);
+            last[i] = v_min(v_mul(y, v_load(search->slabs.far[k] + i * VW)), last[i]);
         }
     }
     MLRT_UNROLL
@@ -301,14 +306,14 @@ MLRT_INLINE uint32_t test_boxes_by_lanes(const struct mlrt_packet *packet, const
         }
         MLRT_UNROLL
         for (uint32_t k = 0; k < 3; ++k) {
-            const float *near = (const float *)(const void *)(planes + search->near_row[k][lane]);
-            const float *far = (const float *)(const void *)(planes + search->far_row[k][lane]);
+            const float *near = (const float *)(const void *)(planes + search->slabs.near_row[k][lane]);
+            const float *far = (const float *)(const void *)(planes + search->slabs.far_row[k][lane]);
             const vf origin = v_set1(packet->origin[k][lane]);
             MLRT_UNROLL
             for (int i = 0; i < VECTORS_TOGETHER; ++i) {
                 const vf x = v_sub(origin, v_load(near + i * VW)), y = v_sub(origin, v_load(far + i * VW));
-                first[i] = v_max(v_mul(x, v_set1(search->near[k][lane])), first[i]);
-                last[i] = v_min(v_mul(y, v_set1(search->far[k][lane])), last[i]);
+                first[i] = v_max(v_mul(x, v_set1(search->slabs.near[k][lane])), first[i]);
+                last[i] = v_min(v_mul(y, v_set1(search->slabs.far[k][lane])), last[i]);
             }
         }
         MLRT_UNROLL
