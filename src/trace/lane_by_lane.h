@@ -84,7 +84,6 @@ struct lanes_slabs {
 struct lanes_search {
     struct mlrt_reciprocals reciprocals;
     struct lanes_slabs slabs;
-    uint32_t negative[3]; /* lanes whose d_k is below 0 */
     struct lanes_hull hull;
     int one_origin;
     float origin[3]; /* of all rays, if one_origin */
@@ -118,7 +117,6 @@ MLRT_INLINE void set_lanes_along(struct mlrt_packet *packet, uint32_t lanes, int
                                  float least[4])
 {
     struct extremes origins = NO_EXTREMES, directions = NO_EXTREMES;
-    uint32_t negative = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf none = v_select(m_from_bits(lanes >> v), v_set1(0), v_set1(NAN)); /* extremes ignore NaNs */
         if (packet->has.apex) v_store(packet->origin[k] + v, v_set1(packet->apex[k]));
@@ -130,11 +128,9 @@ MLRT_INLINE void set_lanes_along(struct mlrt_packet *packet, uint32_t lanes, int
         const vi lower = i_set1(row_of_planes(0, k)), upper = i_set1(row_of_planes(1, k));
         i_store(search->slabs.near_row[k] + v, i_select(down, upper, lower));
         i_store(search->slabs.far_row[k] + v, i_select(down, lower, upper));
-        negative |= m_bits(down) << v;
         add_to_extremes(v_add(v_load(packet->origin[k] + v), none), &origins);
         add_to_extremes(v_add(d, none), &directions);
     }
-    search->negative[k] = negative & lanes;
     f4_store(least, v_hmin4(origins.least, origins.negated, directions.least, directions.negated));
 }
 
@@ -192,7 +188,7 @@ MLRT_INLINE uint32_t boxes_of_lanes(const struct lanes_search *search, const str
     for (int k = 0; k < 3; ++k) {
         const vf from = v_set1(search->hull.lo[k]), to = v_set1(search->hull.hi[k]);
         const vf lo = v_set1(search->hull.reciprocal_lo[k]), hi = v_set1(search->hull.reciprocal_hi[k]);
-        const int down = search->negative[k] != 0;
+        const int down = search->hull.direction_hi[k] < 0; /* where signs agree */
         if (!search->hull.agree[k]) {
             MLRT_UNROLL
             for (int i = 0; i < VECTORS; ++i) {
@@ -236,7 +232,7 @@ MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struc
         MLRT_UNROLL
         for (int i = 0; i < VECTORS; ++i) {
             const vf origin = v_load(packet->origin[k] + i * VW), near_factor = v_load(search->slabs.near[k] + i * VW);
-            const vm down = v_gt(near_factor, v_set1(0));
+            const vm down = v_gt(near_factor, v_set1(0)); /* d_k < 0 */
             const vf x = v_sub(origin, v_select(down, hi, lo)), y = v_sub(origin, v_select(down, lo, hi));
             first[i] = v_max(v_mul(x, near_factor), first[i]);
             last[i] = v_min(v_mul(y, v_load(search->slabs.far[k] + i * VW)), last[i]);

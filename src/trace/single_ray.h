@@ -351,8 +351,8 @@ static MLRT_NOINLINE uint32_t places_ahead(const float *corners, uint32_t row, u
 
 /*
  * Decides the triangles at places of a leaf that float leaves undecided. The ray is surely inside the edges of those in
- * `inside`. It surely meets those in `hit`, at lo[i] or behind, unless any hit will do, where its end is in question.
- * `nearest`: where the corners of the nearest hit so far lie, if that is known. Returns where they lie afterwards.
+ * `inside`. Of these, it surely meets those in `hit` behind t_min, at lo[i] or farther. Where any hit will do, `lo` is
+ * NULL. `nearest`: where the corners of the nearest hit so far lie, if that is known. Returns where they lie afterwards.
  *
  * Most rays that leave a surface begin one float beside it, and are undecided for the triangles of its plane. Float
  * tells by components that they leave them.
