@@ -70,11 +70,11 @@
  * added. After an error nothing is leaked, and a tree or pool that was to be made is NULL. The library never prints,
  * exits or aborts. mlrt_last_message tells why a call failed.
  *
- * Threads. The library starts no threads unless the caller makes a pool, and it has no global state: only the last
- * message, which each thread has for itself. A tree never changes after it is built: any number of threads may trace it
- * at once. A pool with threads of its own serves one call at a time, and calls that share it wait for each other. A
- * pool with mlrt_pool_options.enqueue serves several at once. After fork() the child has the trees, but not the threads
- * of a pool: it makes a pool of its own, and neither uses nor destroys the parent's.
+ * Threads. The library starts no threads unless the caller makes a pool, and it has no global state but the last
+ * message, which each thread has for itself, and what the processor can do. A tree never changes after it is built: any
+ * number of threads may trace it at once. A pool with threads of its own serves one call at a time, and calls that
+ * share it wait for each other. A pool with mlrt_pool_options.enqueue serves several at once. After fork() the child
+ * has the trees, but not the threads of a pool: it makes a pool of its own, and neither uses nor destroys the parent's.
  */
 #ifndef MLRT_H
 #define MLRT_H

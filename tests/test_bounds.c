@@ -1594,8 +1594,7 @@ static void stacks_hold_what_waits(void **state)
     struct mlrt_tree tree = {.by_number.corners = triangle.v[0], .bvh.unit = 1};
     const struct mlrt_job job = {.tree = &tree};
     (void)state;
-    assert_true(TILE_STACK_SIZE >= (MLRT_BVH_DEPTH_LIMIT - 1) * (MLRT_BVH_WIDTH - 1) + MLRT_BVH_WIDTH);
-    assert_true(WAITING_LIMIT >= MLRT_BVH_DEPTH_LIMIT * (MLRT_BVH_WIDTH - 1));
+    assert_true(MLRT_BVH_STACK_LIMIT >= (MLRT_BVH_DEPTH_LIMIT - 1) * (MLRT_BVH_WIDTH - 1) + MLRT_BVH_WIDTH);
     for (uint32_t n = 0; n < MLRT_BVH_DEPTH_LIMIT; ++n) {
         for (uint32_t i = 0; i < MLRT_BVH_WIDTH; ++i) {
             for (int k = 0; k < 3; ++k) {

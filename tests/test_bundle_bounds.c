@@ -374,7 +374,7 @@ static void begin_bundle_of(const float *point, const float *const *origins, con
     bundle.tile = &tile;
     tile.made = 1;
     bundle.state.going = bundle.state.closed = 1;
-    bundle.state.made = bundle.state.covered = bundle.state.apexes = 0;
+    bundle.state.has_lanes = bundle.state.covered = bundle.state.apexes = 0;
     bundle.scene.unit = 1;
     bundle.scene.first = -INFINITY;
     bundle.scene.last = INFINITY;
@@ -437,7 +437,7 @@ static void set_up_triangle(const float *input)
     leaf.has_places = bundle.has.places;
     set_outlines(&bundle.waist, (const vf(*)[3])corners.to, 1, 0, &leaf);
     divisor_count = 0;
-    set_up_bundle_vector(&corners, 0, bundle.has.places, &leaf); /* divisors: of n, of edges ab, bc, ca */
+    set_up_vector_by(&corners, 0, bundle.has.places, &leaf); /* divisors: of n, of edges ab, bc, ca */
     leaf.state.doubtful = doubtful_places(&leaf) & 1;
     memcpy(triangles[0].v, input, sizeof triangles[0].v);
     for (int i = 0; i < 3; i++) load_exactly(input + 3 * i, &corner[i]);
@@ -585,7 +585,7 @@ static double attack_depths(const float *input)
     mpf_add(truth, truth, origin[0].x[0]);
     const double away = fabs(mpf_get_d(truth)) + hulls->filter.away[0], moved = SLOPE_SLACK * away + HULL_FLOOR;
     worst = fmax(worst, error_over(hulls->first[0] + moved, moved));
-    worst = fmax(worst, -error_over(hulls->closed.core_first[0] - moved, moved));
+    worst = fmax(worst, -error_over(hulls->closed.common_first[0] - moved, moved));
     if (isinf(end)) return hulls->last[0] == INFINITY ? worst : INFINITY;
     mpf_set_d(truth, end);
     mpf_mul(truth, truth, direction[0].x[0]);
@@ -593,7 +593,7 @@ static double attack_depths(const float *input)
     const double far = fabs(mpf_get_d(truth)) + hulls->filter.away[0], moved_end = SLOPE_SLACK * far + HULL_FLOOR;
     if (far > 0x1p120) return worst;
     worst = fmax(worst, -error_over(hulls->last[0] - moved_end, moved_end));
-    return fmax(worst, error_over(hulls->closed.core_last[0] + moved_end, moved_end));
+    return fmax(worst, error_over(hulls->closed.common_last[0] + moved_end, moved_end));
 }
 
 /* Any numbers of any size, as t_min and t_max near each other, of both signs. */

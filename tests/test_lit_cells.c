@@ -161,7 +161,7 @@ static void check_ray(const struct scene *scene, uint32_t place, const struct ex
     }
     parts->depth = fmax(parts->depth, part_of(depth, of->farthest, (double)scene->lit.hulls.last[place]));
     parts->depth =
-        fmax(parts->depth, part_of(-depth, -of->shortest, -(double)scene->lit.hulls.closed.core_last[place]));
+        fmax(parts->depth, part_of(-depth, -of->shortest, -(double)scene->lit.hulls.closed.common_last[place]));
     for (int side = 0; side < 2; ++side) {
         const struct mlrt_hull_row *slopes = &scene->lit.hulls.term[side];
         const double slope = (double)shadow.direction[(b + 1 + side) % 3] / depth;

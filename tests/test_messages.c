@@ -370,7 +370,7 @@ static void check_building(void)
     CHECK(now.meshes[1].indices = far, mlrt_hash_geometry(now.meshes, 2, &now.hash), INDEX_RANGE,
           "meshes[1], triangle 0: vertex index 9 is out of range (vertex_count is 3)");
     CHECK(pretended = MANY_QUADS, BUILD, TOO_LARGE,
-          "meshes: the tree would have more than 536870911 nodes, or quads of triangles");
+          "meshes: the tree would have more than 268435455 nodes, or 536870911 quads of triangles");
     CHECK(now.meshes[0].id = now.meshes[1].id = 7, BUILD, ARGUMENT, "meshes[1].id: 7 is the id of meshes[0] too");
     CHECK(now.meshes[1].id = MLRT_NONE, BUILD, ARGUMENT, "meshes[1].id: MLRT_NONE stands for no mesh");
 }

@@ -468,7 +468,7 @@ static void check_triangle(const struct test_case *test)
     }
     int side = -mpz_sgn(z->n);
     check(mlrt_side_of_plane(&test->triangle, test->ray.origin) == side, "side_of_plane", test);
-    check(mlrt_exact_sign_beyond(test->ray.origin, NOWHERE, &test->triangle, 1) == -side, "exact side", test);
+    check(mlrt_exact_sign_beyond(test->ray.origin, NO_STEP, &test->triangle, 1) == -side, "exact side", test);
     check_sum(test);
 }
 

@@ -12,7 +12,7 @@
 
 #include "base/host.h"
 #include "base/structs.h"
-#include "job/job.h"
+#include "base/platform.h"
 
 /* `all` with all words of a part of a struct or-ed to it. The part has at least 8 bytes. */
 MLRT_INLINE uint64_t or_words(uint64_t all, const void *part, size_t size)
@@ -49,6 +49,7 @@ MLRT_INLINE float mlrt_resolve_t_max(const mlrt_ray *ray)
     memcpy(&bits, &ray->t_max, sizeof bits);
     return bits & 0x7FFFFFFF ? ray->t_max : INFINITY;
 }
+
 /* The options of a call, and what it runs with. */
 struct mlrt_call {
     const mlrt_trace_options *options; /* the caller's, or `own` */

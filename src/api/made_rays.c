@@ -54,6 +54,7 @@ MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *o
     MLRT_COMPUTE(status = write_camera_rays(&own, vectors[0], vectors[1]));
     return status;
 }
+
 /* Sets *number to that of a triangle in the tree. Returns a status: there must be one. */
 static int32_t find_triangle(const mlrt_tree *tree, const char *path, uint32_t mesh, uint32_t triangle,
                              uint32_t *number)

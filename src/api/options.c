@@ -82,6 +82,7 @@ int32_t mlrt_resolve_options(const mlrt_tree *tree, const mlrt_trace_options *op
     job->callback.outputs = options->outputs;
     return choose_kernels(options->isa, options->counters != NULL, job);
 }
+
 int mlrt_set_plain_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
     const struct mlrt_structure *structure = tree->structure;

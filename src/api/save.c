@@ -50,7 +50,6 @@
  *
  * Checks read the tree's own copy, so a change of the data meanwhile does no harm, unless they are used in place.
  */
-#include <math.h>
 #include <string.h>
 
 #include "base/hash.h"
@@ -59,7 +58,6 @@
 #include "base/structs.h"
 #include "exact/predicate.h"
 #include "job/structure.h"
-#include "scene/masks.h"
 #include "scene/meshes.h"
 
 #define SECTION_ALIGNMENT 64

@@ -42,6 +42,7 @@ MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays,
         mlrt_set_rows(mlrt_find_row_length(&job.source), &job.source);
     return mlrt_end_call(&call.run.voice, run_list(tree, &call, hits, &job));
 }
+
 MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                      const mlrt_hit_lists *lists)
 {
@@ -117,6 +118,7 @@ MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *cam
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
     return mlrt_end_call(&call.run.voice, status);
 }
+
 MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
                                       const mlrt_trace_options *options, const mlrt_array *occluded)
 {

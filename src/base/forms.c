@@ -76,14 +76,14 @@ const struct mlrt_rules mlrt_rules = {
 };
 
 /* `last` is the last field of the first version. */
-#define ROW_NUMBER(table) offsetof(struct mlrt_rules, table) / sizeof(struct mlrt_field)
-#define ROW_COUNT(table)  sizeof mlrt_rules.table / sizeof *mlrt_rules.table
+#define RULE_NUMBER(table) offsetof(struct mlrt_rules, table) / sizeof(struct mlrt_field)
+#define RULE_COUNT(table)  sizeof mlrt_rules.table / sizeof *mlrt_rules.table
 #define FORM_OF(type, last, table, status, has_rows)                                                                   \
-    BYTES_UP_TO(type, last), sizeof(type), ROW_NUMBER(table), ROW_COUNT(table), status, has_rows
+    BYTES_UP_TO(type, last), sizeof(type), RULE_NUMBER(table), RULE_COUNT(table), status, has_rows
 #define CHECKED_FORM(type, last, table) FORM_OF(type, last, table, MLRT_ERROR_ARGUMENT, 0)
 #define PLAIN_FORM(type, last)          BYTES_UP_TO(type, last), sizeof(type), 0, 0, 0, 0
 #define CAMERA_FORM(first)                                                                                             \
-    BYTES_UP_TO(mlrt_camera, t_max), sizeof(mlrt_camera), ROW_NUMBER(rays.view) + first, ROW_COUNT(rays.view) - 1,     \
+    BYTES_UP_TO(mlrt_camera, t_max), sizeof(mlrt_camera), RULE_NUMBER(rays.view) + first, RULE_COUNT(rays.view) - 1,   \
         MLRT_ERROR_CAMERA, 0
 
 const struct mlrt_form mlrt_forms[MLRT_FORM_COUNT] = {
@@ -113,5 +113,5 @@ const struct mlrt_form mlrt_forms[MLRT_FORM_COUNT] = {
     [MLRT_FORM_PINHOLE] = {CAMERA_FORM(1)},
     [MLRT_FORM_VECTORS] = {FORM_OF(mlrt_array, row_stride, arguments.vectors, MLRT_ERROR_ARGUMENT, 1)},
     [MLRT_FORM_BYTES] = {CHECKED_FORM(mlrt_array, row_stride, arguments.bytes)},
-    [MLRT_FORM_FLOAT] = {sizeof(float), sizeof(float), ROW_NUMBER(arguments.number), 1, MLRT_ERROR_ARGUMENT, 0},
+    [MLRT_FORM_FLOAT] = {sizeof(float), sizeof(float), RULE_NUMBER(arguments.number), 1, MLRT_ERROR_ARGUMENT, 0},
 };

@@ -13,7 +13,7 @@
 /* What a rule wants of its field. */
 enum {
     MLRT_FIELD_INTEGER, /* an int32_t from 0 to `most` */
-    MLRT_FIELD_COUNT,   /* a uint32_t from 0 to `most`; if it holds flags, these are all bits with a meaning */
+    MLRT_FIELD_COUNT,   /* a uint32_t from 0 to `most`; if it holds flags, `most` is all of them or-ed */
     MLRT_FIELD_SIZE,    /* a size_t from 0 to INT32_MAX, beyond which the answer is MLRT_ERROR_TOO_LARGE */
     MLRT_FIELD_COST,    /* `most` floats from 0 to 1e6 */
     MLRT_FIELD_FINITE,  /* `most` floats that are finite */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Memory of trees and pools: blocks of count * size bytes, from the host or from malloc, checked for overflow. A
+ * Memory of trees, pools and calls: blocks of count * size bytes, from the host or from malloc, checked for overflow. A
  * `struct mlrt_memory` counts the bytes allocated through it, so that a build can report its peak.
  */
 #ifndef MLRT_BASE_MEMORY_H

@@ -20,18 +20,15 @@
 /* The buffer of the calling thread, MLRT_MESSAGE_SIZE bytes: a string, empty until a call of the thread fails. */
 char *mlrt_message_of_thread(void);
 
-#if defined(__GNUC__)
 #define MLRT_FORMAT(text, values) __attribute__((format(printf, text, values)))
-#else
-#define MLRT_FORMAT(text, values)
-#endif
 
 /* Writes the message of the thread. Returns `status`. */
 MLRT_FORMAT(2, 3) int32_t mlrt_fail(int32_t status, const char *format, ...);
 
 /*
  * Writes that an argument must not be NULL. `names` has those that must not, with a blank between two; bit i of
- * `missing` says that the i-th is NULL. If none is, the last must be. Returns MLRT_ERROR_ARGUMENT.
+ * `missing` says that the i-th is NULL. If no bit is set, the last name is the one that is NULL. Returns
+ * MLRT_ERROR_ARGUMENT.
  */
 int32_t mlrt_fail_null(const char *names, int missing);
 

@@ -28,34 +28,24 @@
 #define MLRT_GUESS 0
 #endif
 
-#if defined(__GNUC__)
+#if !defined(__GNUC__)
+#error "mlrt needs gcc or clang, or a compiler with their extensions"
+#endif
+
 #define MLRT_INLINE              static inline __attribute__((always_inline, unused))
 #define MLRT_NOINLINE            __attribute__((noinline))
 #define MLRT_ALIGNED(bytes)      __attribute__((aligned(bytes)))
 #define MLRT_LIKELY(condition)   __builtin_expect(!!(condition), 1)
 #define MLRT_UNLIKELY(condition) __builtin_expect(!!(condition), 0)
-#else
-#define MLRT_INLINE static inline
-#define MLRT_NOINLINE
-#define MLRT_ALIGNED(bytes)
-#define MLRT_LIKELY(condition)   (condition)
-#define MLRT_UNLIKELY(condition) (condition)
-#endif
 
 /* A variable that each thread has for itself. */
-#if defined(__GNUC__)
 #define MLRT_THREAD_LOCAL __thread
-#elif defined(_MSC_VER)
-#define MLRT_THREAD_LOCAL __declspec(thread)
-#else
-#define MLRT_THREAD_LOCAL _Thread_local
-#endif
 
 /*
- * Before a short loop that must be unrolled at every optimisation level. Without optimisation gcc does not unroll, and
- * warns of it.
+ * Before a short loop that must be unrolled at every level of optimisation. Without any, gcc would not unroll it, and
+ * would warn.
  */
-#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8 && defined(__OPTIMIZE__)
+#if !defined(__clang__) && __GNUC__ >= 8 && defined(__OPTIMIZE__)
 #define MLRT_UNROLL _Pragma("GCC unroll 9")
 #else
 #define MLRT_UNROLL
@@ -65,15 +55,11 @@
  * To gcc a prefetch has no effect: a function that does nothing else is pure, and calls of it are dropped. An empty
  * statement in assembler, which counts as one, keeps them. `level` is 3 for the first-level cache, 2 for the second.
  */
-#if defined(__GNUC__)
 #define MLRT_PREFETCH(address, for_writing, level)                                                                     \
     do {                                                                                                               \
         __asm__ __volatile__("");                                                                                      \
         __builtin_prefetch(address, for_writing, level);                                                               \
     } while (0)
-#else
-#define MLRT_PREFETCH(address, for_writing, level) ((void)(address))
-#endif
 
 /* Prefetches the cache line at `address`, to be read soon. */
 MLRT_INLINE void mlrt_prefetch(const void *address)
@@ -96,11 +82,7 @@ MLRT_INLINE uint32_t mlrt_count_bits(uint32_t bits)
 /* The position of the lowest bit that is set; `bits` is not 0. */
 MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 {
-#if defined(__GNUC__)
     return (uint32_t)__builtin_ctz(bits);
-#else
-    return mlrt_count_bits((bits & (0u - bits)) - 1);
-#endif
 }
 
 #if defined(__SIZEOF_INT128__)
@@ -121,7 +103,7 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 #endif
 
 /* Says that a thread spins. */
-#if MLRT_HAVE_SSE && defined(__GNUC__)
+#if MLRT_HAVE_SSE
 #define MLRT_PAUSE() __builtin_ia32_pause()
 #else
 #define MLRT_PAUSE() ((void)0)
@@ -165,16 +147,12 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 typedef uint32_t mlrt_fp_environment; /* the control register */
 /*
  * Sets *saved to the environment. Returns 1 if it is that of the library, except for exception flags. Then the caller
- * may compute at once: compilers do not move arithmetic before the branch on this result, since it may trap. To gcc two
- * calls of _mm_getcsr have one result if nothing is stored between them.
+ * may compute at once: compilers do not move arithmetic before the branch on this result, since it may trap. gcc takes
+ * two calls of _mm_getcsr without a store between them for one: hence the statement in assembler.
  */
 MLRT_INLINE int mlrt_has_usual_fp_environment(mlrt_fp_environment *saved)
 {
-#if defined(__GNUC__)
     __asm__ volatile("stmxcsr %0" : "=m"(*saved));
-#else
-    *saved = _mm_getcsr();
-#endif
     return (*saved & MLRT_CONTROL_BITS) == MLRT_WANTED_CONTROL;
 }
 MLRT_INLINE void mlrt_enter_fp_environment(mlrt_fp_environment *saved)
@@ -187,14 +165,10 @@ MLRT_INLINE void mlrt_enter_fp_environment(mlrt_fp_environment *saved)
  */
 MLRT_INLINE void mlrt_leave_fp_environment(const mlrt_fp_environment *saved)
 {
-#if defined(__GNUC__)
     __asm__ volatile("ldmxcsr %0" : : "m"(*saved) : "memory");
-#else
-    _mm_setcsr(*saved);
-#endif
 }
 #else
-#if defined(__aarch64__) && defined(__GNUC__)
+#if defined(__aarch64__)
 typedef uint64_t mlrt_fp_environment;
 MLRT_INLINE void mlrt_enter_fp_environment(mlrt_fp_environment *saved)
 {

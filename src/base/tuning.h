@@ -6,8 +6,8 @@
  * Tables of the sweep are in docs/performance.md, "What tiles decide by themselves". Figures here are the speed with
  * another value over that with the value here.
  *
- * A cell of a camera (a packet of a tile of 16x16, or a tile of a square of 64x64) is closed while its rays are not
- * made, and open once they are.
+ * A cell is a packet of a tile of 16x16, or a tile of a square of 64x64. It is closed until one of its rays has to be
+ * tested (trace/cover.h), and then open.
  */
 #ifndef MLRT_BASE_TUNING_H
 #define MLRT_BASE_TUNING_H
@@ -15,11 +15,11 @@
 #include "mlrt.h"
 
 /*
- * After an area whose cells all had to be opened, most cells of the next areas must be opened, too. So the next tile
- * begins with open cells, or the next square is traced tile by tile; if the attempt after that is in vain as well, the
- * next 3, then 7, up to TILE_RUN tiles (of a camera CELL_RUN) and SQUARE_RUN squares, one less than a power of two.
- * Where an attempt reads rays, it is the next READ_RUN at once. If all are 0, every area begins with closed cells.
- * FIRST_OPEN_TILES and _SQUARES are how many of the first of a worker are treated so; 0xFFFFFFFF: all.
+ * An attempt is in vain if all cells of an area had to be opened: then most cells of the next areas must be opened,
+ * too. So the next tile begins with open cells, or the next square goes tile by tile; after another attempt in vain the
+ * next 3, then 7, up to TILE_RUN tiles (of a camera CELL_RUN) and SQUARE_RUN squares, which are one less than a power
+ * of two. Where an attempt reads rays, READ_RUN follow at once. If all are 0, every area begins with closed cells.
+ * FIRST_OPEN_TILES and _SQUARES: so many first areas of a worker begin open; 0xFFFFFFFF: all.
  *
  * Instructions (AVX2) with 3 tiles always: shadows of dragon 1.03, pictures of erw6 1.01. With READ_RUN 1: shadows of
  * erw6 1.02.
@@ -39,9 +39,9 @@
 #define MLRT_LONE_SQUARE_RUN 63
 
 /*
- * A packet this many times as wide as most packets of its tile goes lane by lane, where the nearest hit is asked for.
- * Where any hit will do, its two halves are traced one after the other: without that, these rays take up to 1.1 times
- * the instructions.
+ * A packet this many times as wide as the narrow ones of its tile (three quarters are at least as wide as those) goes
+ * lane by lane, where the nearest hit is asked for. Where any hit will do, its two halves are traced one after the
+ * other: without that, these rays take up to 1.1 times the instructions.
  */
 #define MLRT_WIDE_FACTOR 4.0f
 

@@ -43,9 +43,9 @@ int mlrt_may_split(const struct mlrt_portion *portion, uint32_t lower, uint32_t 
 }
 
 /*
- * Each side gets its reserve of leaves first, then its part of the rest by size, and spare places by size. Sets too
- * small for spatial splits get no spare places: they need none, and the references of a set that may become one leaf
- * must have no gap.
+ * Each side gets its reserve of leaves first, then its part of the rest by size, and spare places by size. A set too
+ * small for spatial splits shares out no spare places: its sides need none, and the references of a set that may become
+ * one leaf must have no gap.
  */
 void mlrt_share_out(const struct mlrt_bvh_build *build, const struct mlrt_portion *portion,
                     const struct mlrt_bvh_set sets[2], struct mlrt_portion sides[2])

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* One build of a hierarchy of boxes, as the files know it that it goes through: build.c begins with what they do. */
+/* One build of a hierarchy of boxes: the state that is passed from file to file. build.c begins with what they do. */
 #ifndef MLRT_BVH_BUILD_H
 #define MLRT_BVH_BUILD_H
 

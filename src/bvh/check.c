@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/hash.h"
-#include "bvh/split.h"
+#include "bvh/set.h"
 #include "bvh/unit.h"
 
 /* ---- statistics ---------------------------------------------------------------------------------------------- */

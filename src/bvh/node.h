@@ -48,6 +48,9 @@
 #define MLRT_BVH_DEPTH_LIMIT 64
 #define MLRT_BVH_LEAF_LIMIT  16 /* triangles */
 
+/* The most boxes that wait while a tree is traversed: of each level all but one, and one more. */
+#define MLRT_BVH_STACK_LIMIT ((MLRT_BVH_WIDTH - 1) * MLRT_BVH_DEPTH_LIMIT + 1)
+
 /* Kernels number the slots of all nodes in 32 bits. */
 #define MLRT_BVH_NODE_LIMIT (UINT32_MAX / MLRT_BVH_WIDTH)
 

@@ -6,7 +6,7 @@
  * Box tests are in double (exact/ray_interval.h): a box is skipped only if the ray certainly misses it, or certainly
  * meets it behind the nearest hit. Where d_k is 0, coordinate k of the ray is constant, and its comparison with the box
  * is exact. Boxes are scaled out of their units (unit.h), which is exact in double too. Bounds may be infinite, but
- * never the one that the ray comes to first on the side that it comes from.
+ * `lo` of a box is never inf, and `hi` never -inf: an infinite bound cuts nothing off.
  */
 #include "bvh/node.h"
 
@@ -20,16 +20,13 @@ struct pending {
     uint32_t child;
 };
 
-/* On each level of the path, all children of a node but one can be pending. */
-#define PENDING_LIMIT ((MLRT_BVH_WIDTH - 1) * MLRT_BVH_DEPTH_LIMIT + 1)
-
 struct search {
     const struct mlrt_tree *tree;
     const struct mlrt_ray_segment *ray;
     double reciprocal[3];
     double inverse_unit; /* the factor that takes boxes out of units */
     struct mlrt_nearest nearest;
-    struct pending stack[PENDING_LIMIT];
+    struct pending stack[MLRT_BVH_STACK_LIMIT];
     uint32_t pending_count;
 };
 

@@ -87,8 +87,8 @@ static inline void mlrt_mark_copy(struct mlrt_quad_box *reference)
 }
 
 /*
- * The costs for a ray that meets a node or a leaf, where a leaf costs 1, whatever its triangles. All sixteen children
- * of a node are tested in one step, and all triangles of a leaf nearly so.
+ * The costs for a ray that meets a node or a leaf. A leaf costs 1, and `triangle` for each of its triangles. All
+ * sixteen children of a node are tested in one step, and all triangles of a leaf nearly so.
  */
 struct mlrt_bvh_costs {
     float node;

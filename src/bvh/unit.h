@@ -36,7 +36,7 @@ static inline float mlrt_low_bound(double low)
     return low < -MLRT_BVH_FAR ? -INFINITY : mlrt_float_down(low) + 0.0f;
 }
 
-/* A bound in units that may be beyond MLRT_BVH_FAR, as one that areas are computed from: these are finite then. */
+/* A bound in units, cut to 2 MLRT_BVH_FAR either way, so that areas computed from it are finite. */
 static inline float mlrt_finite_bound(float bound)
 {
     const float limit = 2 * MLRT_BVH_FAR;

@@ -12,8 +12,8 @@
 #include "base/tuning.h"
 #include "bvh/unit.h"
 
-/* A child has 29 bits for the number of a node or quad. */
-#define COUNT_LIMIT (UINT32_MAX >> 3)
+/* A child has 29 bits for the number of a quad. */
+#define QUAD_LIMIT (UINT32_MAX >> 3)
 
 static uint32_t quads_of(uint32_t count)
 {
@@ -41,8 +41,8 @@ static uint32_t sort_numbers(const uint32_t *words, uint32_t count, uint32_t *nu
 }
 
 /*
- * Prefetches the triangle of a word. Where there is no reference, the word is unset: so the address is not computed as
- * that of an element, and nothing is decided by it. To prefetch an address where nothing lies does no harm.
+ * Prefetches the triangle of a word. The word may be unset memory: so the address is computed as an integer, and
+ * nothing depends on it. To prefetch an address where nothing lies does no harm.
  */
 MLRT_INLINE void prefetch_triangle(const struct mlrt_tree *tree, uint32_t word)
 {
@@ -260,9 +260,10 @@ static int32_t allocate_result(struct mlrt_bvh_build *build, const struct mlrt_b
 {
     struct mlrt_tree *tree = build->tree;
     struct mlrt_bvh *bvh = &tree->bvh;
-    if (size->node_count > COUNT_LIMIT || size->quad_count > COUNT_LIMIT) {
-        return mlrt_fail(MLRT_ERROR_TOO_LARGE, "meshes: the tree would have more than %lu nodes, or quads of triangles",
-                         (unsigned long)COUNT_LIMIT);
+    if (size->node_count > MLRT_BVH_NODE_LIMIT || size->quad_count > QUAD_LIMIT) {
+        return mlrt_fail(MLRT_ERROR_TOO_LARGE,
+                         "meshes: the tree would have more than %lu nodes, or %lu quads of triangles",
+                         (unsigned long)MLRT_BVH_NODE_LIMIT, (unsigned long)QUAD_LIMIT);
     }
     const uint64_t quad_count = size->quad_count + mlrt_count_given_quads(tree);
     const int has_places = tree->triangle_count > 0 && quad_count < MLRT_PLACE_QUADS;

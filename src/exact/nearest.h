@@ -6,8 +6,6 @@
 #ifndef MLRT_EXACT_NEAREST_H
 #define MLRT_EXACT_NEAREST_H
 
-#include <math.h>
-
 #include "exact/predicate.h"
 #include "exact/quotients.h"
 

@@ -34,7 +34,7 @@ int mlrt_triangle_has_area(const struct mlrt_triangle *triangle)
     return 0;
 }
 
-static const float NOWHERE[3] = {0, 0, 0};
+static const float NO_STEP[3] = {0, 0, 0};
 
 /* The sign of (from + by - a) . n, which is -(N - t D) at t = 1 of a ray; 0 if double cannot tell. */
 static int certain_side(const struct mlrt_triangle *triangle, const float from[3], const float by[3])
@@ -51,7 +51,7 @@ int mlrt_side_of_sum(const struct mlrt_triangle *triangle, const float from[3], 
 
 int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3])
 {
-    return mlrt_side_of_sum(triangle, point, NOWHERE);
+    return mlrt_side_of_sum(triangle, point, NO_STEP);
 }
 
 int mlrt_facing(const struct mlrt_triangle *triangle, const float direction[3])
@@ -208,8 +208,8 @@ int mlrt_compare_distance(const struct mlrt_ray_segment *ray, const struct mlrt_
 }
 
 /*
- * Many triangles in one plane are one and the same, seen from two sides, or have a common edge: corners that both have
- * need no integers. Calls of one ray, which know no planes of rays before, take 0.9 of the instructions in cruiser.
+ * Many triangles in one plane are one that is there twice, or share an edge: corners that both have need no integers.
+ * Calls of one ray, which know no planes of rays before, take 0.9 of the instructions in cruiser so.
  */
 static int has_corner(const struct mlrt_triangle *triangle, const float point[3])
 {
@@ -225,8 +225,8 @@ int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triang
     for (uint32_t axis = 0; axis < 3; ++axis)
         if (mlrt_is_across(first, axis) && mlrt_is_across(second, axis)) return first->v[0][axis] == second->v[0][axis];
     for (int i = 0; i < 3; ++i)
-        if (certain_side(first, second->v[i], NOWHERE) != 0) return 0;
+        if (certain_side(first, second->v[i], NO_STEP) != 0) return 0;
     for (int i = 0; i < 3; ++i)
-        if (!has_corner(first, second->v[i]) && mlrt_exact_sign_beyond(second->v[i], NOWHERE, first, 1) != 0) return 0;
+        if (!has_corner(first, second->v[i]) && mlrt_exact_sign_beyond(second->v[i], NO_STEP, first, 1) != 0) return 0;
     return 1;
 }

@@ -14,7 +14,6 @@
  */
 #include "exact/quotients.h"
 
-#include <float.h>
 #include <math.h>
 
 #include "exact/determinants.h"

@@ -12,7 +12,7 @@
 #include <math.h>
 
 #include "base/platform.h"
-#include "exact/predicate.h"
+#include "exact/segment.h"
 
 #define MLRT_INTERVAL_SLACK 0x1p-50
 

@@ -8,8 +8,6 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "mlrt.h"
-
 /* u of double: the greatest error of a rounding, relative to what is rounded. */
 #define MLRT_UNIT_ROUNDOFF 0x1p-53
 

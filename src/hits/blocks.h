@@ -75,7 +75,8 @@ static MLRT_NOINLINE void trace_by_rays(const struct mlrt_job *job, struct mlrt_
 }
 
 /*
- * Writes the hits of one triangle in four rows of at most 16 columns, if t, u, v or facing are wanted: these need rays.
+ * Writes the hits of one triangle in up to four rows of at most 16 columns, if t, u, v or facing are wanted: these need
+ * rays.
  */
 static void write_cover_numbers(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
                                 const struct mlrt_rectangle *rows)

@@ -9,7 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/counters.h"
 #include "hits/hit_numbers.h"
 #include "hits/outcome.h"
 #include "hits/shadow_ray.h"
@@ -39,14 +38,14 @@ MLRT_INLINE vd greatest_of_doubles(const vd a[3])
 
 /*
  * Computes the terms of DW lanes, whose triangles have these corners (mlrt_gather_corners). With a directional light, L
- * is 0 for `from`, and the vector to the light is -l.
+ * is 0 for `from`, and the vector from the light is -l.
  */
 static MLRT_NOINLINE void set_up_shadow_terms(const struct mlrt_packet *seen, float (*corners)[MLRT_PACKET_RAYS],
                                               uint32_t lane, const struct mlrt_source *light,
                                               struct shadow_terms *terms)
 {
     const vd is_point = d_set1(light->kind == MLRT_SOURCE_POINT_LIGHT);
-    vd ab[3], ac[3], p[3], to_light[3];
+    vd ab[3], ac[3], p[3], from_light[3];
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const vd corner = d_load(corners[k] + lane), origin = origins_in_double(seen, k, lane);
@@ -55,7 +54,7 @@ static MLRT_NOINLINE void set_up_shadow_terms(const struct mlrt_packet *seen, fl
         ac[k] = d_sub(d_load(corners[6 + k] + lane), corner);
         p[k] = d_sub(corner, origin);
         terms->from[k] = d_sub(origin, d_mul(is_point, l));
-        to_light[k] = d_sub(d_mul(is_point, corner), l);
+        from_light[k] = d_sub(d_mul(is_point, corner), l);
     }
     cross_product_of_doubles(ab, ac, terms->m);
     const vd greatest = greatest_of_doubles(terms->m), size = d_mul(size_of_doubles(ab), size_of_doubles(ac));
@@ -64,9 +63,9 @@ static MLRT_NOINLINE void set_up_shadow_terms(const struct mlrt_packet *seen, fl
     for (int k = 0; k < 3; ++k) terms->m[k] = d_mul(terms->m[k], scale);
     terms->n = dot_product_of_doubles(p, terms->m);
     terms->plane_size = d_mul(d_set1(MLRT_SHADOW_PLANE), greatest_of_doubles(p));
-    terms->height = dot_product_of_doubles(to_light, terms->m);
+    terms->height = dot_product_of_doubles(from_light, terms->m);
     terms->certain = d_gt(greatest, d_mul(d_set1(MLRT_SHADOW_NORMAL), size)) &
-                     d_gt(d_abs(terms->height), d_mul(d_set1(MLRT_SHADOW_SIDE), size_of_doubles(to_light)));
+                     d_gt(d_abs(terms->height), d_mul(d_set1(MLRT_SHADOW_SIDE), size_of_doubles(from_light)));
 }
 
 /*

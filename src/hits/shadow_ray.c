@@ -8,7 +8,7 @@
 #include <math.h>
 
 #include "exact/determinants.h"
-#include "exact/nearest.h"
+#include "exact/predicate.h"
 #include "exact/offset.h"
 #include "exact/quotients.h"
 #include "job/structure.h"
@@ -24,15 +24,15 @@ void mlrt_find_surface(const struct mlrt_source *light, const struct mlrt_triang
 {
     const struct mlrt_operands of = mlrt_load_operands(origin, triangle->v[0], triangle->v[0], 1); /* no direction */
     const struct mlrt_vector n = mlrt_cross(of.ab, of.ac), a = mlrt_vector_at(triangle->v[0], 1), zero = {0, 0, 0};
-    const struct mlrt_vector to_light =
+    const struct mlrt_vector from_light =
         mlrt_subtract(light->kind == MLRT_SOURCE_POINT_LIGHT ? a : zero, mlrt_vector_at(light->light, 1));
     const double greatest = greatest_of(n), scale = 1 / greatest;
-    surface->is_round = greatest > MLRT_SHADOW_NORMAL * (of.ab_size * of.ac_size);
+    surface->is_thick = greatest > MLRT_SHADOW_NORMAL * (of.ab_size * of.ac_size);
     surface->m = mlrt_scale(n, scale);
     surface->n = mlrt_dot(of.to_a, surface->m);
     surface->reach = greatest_of(of.to_a);
-    surface->height = mlrt_dot(to_light, surface->m);
-    surface->height_size = mlrt_size_of(to_light);
+    surface->height = mlrt_dot(from_light, surface->m);
+    surface->height_size = mlrt_size_of(from_light);
 }
 
 const struct mlrt_surface *mlrt_look_up_surface(const struct mlrt_job *light, uint32_t number, const float eye[3],

@@ -58,7 +58,7 @@ struct mlrt_surface {
     double reach;       /* greatest |p_k| */
     double height;      /* H */
     double height_size; /* h */
-    int is_round;       /* greatest |n_k| > 2^-16 S; if not, the other terms are invalid */
+    int is_thick;       /* greatest |n_k| > 2^-16 S; if not, the other terms are invalid */
 };
 
 void mlrt_find_surface(const struct mlrt_source *light, const struct mlrt_triangle *triangle, const float origin[3],
@@ -84,7 +84,7 @@ const struct mlrt_surface *mlrt_look_up_surface(const struct mlrt_job *light, ui
 /* Do the conditions on n and H hold? */
 static inline int mlrt_is_certain_surface(const struct mlrt_surface *surface)
 {
-    return surface->is_round && fabs(surface->height) > MLRT_SHADOW_SIDE * surface->height_size;
+    return surface->is_thick && fabs(surface->height) > MLRT_SHADOW_SIDE * surface->height_size;
 }
 
 /*

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* Triangles in one plane, and rays that neither float nor vectors of doubles decide: see undecided.h. */
 #include "hits/undecided.h"
 
 #include <string.h>
@@ -35,6 +36,21 @@ int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t s
     return 1;
 }
 
+/*
+ * Settles exact ties, which are common: surfaces that are there twice, walls in one plane. `nearest` is the nearest
+ * hit of all `lanes`, and triangle `number` lies in its plane. So if a ray hits triangle `number`, it does at the same
+ * t, which is known to be in range. A triangle that comes later in the input changes nothing, hit or not. An earlier
+ * one becomes the nearest hit of the lanes that are surely inside it. Returns the lanes that are settled.
+ */
+static uint32_t settle_tie(uint32_t number, uint32_t nearest, uint32_t lanes, uint32_t inside,
+                           struct mlrt_packet *packet)
+{
+    if (number > nearest) return lanes;
+    lanes &= inside;
+    for (uint32_t left = lanes; left; left &= left - 1) packet->nearest.triangle[mlrt_lowest_bit(left)] = number;
+    return lanes;
+}
+
 uint32_t mlrt_settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
                           struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
@@ -46,7 +62,7 @@ uint32_t mlrt_settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_
         if (nearest == MLRT_NONE || (number < nearest && !(same & inside))) continue;
         if (tree ? mlrt_have_one_plane(tree, number, nearest, worker)
                  : mlrt_known_plane_of(worker, number) == mlrt_known_plane_of(worker, nearest))
-            settled |= mlrt_settle_tie(number, nearest, same, inside, packet);
+            settled |= settle_tie(number, nearest, same, inside, packet);
     }
     return settled;
 }
@@ -96,7 +112,7 @@ int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, u
         const uint32_t known_inside = (inside >> i & 1) << lane;
         if (mlrt_is_stopped_in_step(worker)) break;
         if (nearest != MLRT_NONE && mlrt_known_plane_of(worker, number) == mlrt_known_plane_of(worker, nearest) &&
-            mlrt_settle_tie(number, nearest, 1u << lane, known_inside, packet)) {
+            settle_tie(number, nearest, 1u << lane, known_inside, packet)) {
             if (counters) ++counters->tie_lane_count;
             continue;
         }

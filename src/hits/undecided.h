@@ -27,21 +27,6 @@ static inline uint32_t mlrt_known_plane_of(const struct mlrt_worker *worker, uin
 }
 
 /*
- * Settles exact ties, which are common: surfaces that are there twice, walls in one plane. `nearest` is the nearest
- * hit of all `lanes`, and triangle `number` lies in its plane. So if a ray hits triangle `number`, it does at the same
- * t, which is known to be in range. A triangle that comes later in the input changes nothing, hit or not. An earlier
- * one becomes the nearest hit of the lanes that are surely inside it. Returns the lanes that are settled.
- */
-static inline uint32_t mlrt_settle_tie(uint32_t number, uint32_t nearest, uint32_t lanes, uint32_t inside,
-                                       struct mlrt_packet *packet)
-{
-    if (number > nearest) return lanes;
-    lanes &= inside;
-    for (uint32_t left = lanes; left; left &= left - 1) packet->nearest.triangle[mlrt_lowest_bit(left)] = number;
-    return lanes;
-}
-
-/*
  * Settles the ties of those of `lanes` whose nearest hits lie in the plane of triangle `number`: by comparing
  * triangles, or without a tree, as far as the worker's table knows. Returns the lanes that are settled.
  */

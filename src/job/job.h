@@ -51,7 +51,7 @@ struct mlrt_job {
     struct mlrt_callback callback;
 };
 
-/* A triangle, and another one in the same plane (undecided.c). */
+/* Triangle `number` lies in the plane of triangle `plane` (undecided.c). */
 struct mlrt_known_plane {
     uint32_t number; /* MLRT_NONE = empty entry */
     uint32_t plane;
@@ -65,12 +65,12 @@ struct mlrt_known_plane {
 #define MLRT_FEW_PLANE_BITS   4
 
 /* Answers about triangles that a worker keeps, since neighbouring rays need the same ones (undecided.h). */
-struct mlrt_known_triangles {
+struct mlrt_known_planes {
     uint32_t plane_mask;             /* length of the table, a power of two, less one */
     struct mlrt_known_plane *planes; /* entry number & plane_mask */
 };
 
-/* How a worker looks up in the middle of an item (stop.h). */
+/* How a worker reports progress in the middle of an item, and learns that the call is to end (stop.h). */
 struct mlrt_watch {
     struct mlrt_progress *progress;  /* NULL = the host has no progress function */
     mlrt_fp_environment environment; /* that of the caller */
@@ -98,13 +98,10 @@ struct mlrt_worker_sinks {
     uint32_t count;
 };
 
-/* rays/lone_ray.h */
-struct mlrt_lone_ray;
-
 /* The state of one worker, in cache lines of its own. */
 struct mlrt_worker {
     MLRT_ALIGNED(64) mlrt_counters counters;
-    struct mlrt_known_triangles known;
+    struct mlrt_known_planes known;
     /* What the kernels of the tree's structure keep (trace/bundle.h, mlrta/setups.h); the other is not set. */
     struct mlrt_bundles *bundles;
     struct mlrt_setups *setups;
@@ -117,7 +114,7 @@ struct mlrt_worker {
     struct mlrt_scaled_packet *scaled; /* the packet in units while its rays go alone (trace/units.h), else NULL */
 };
 
-/* The functions of an instruction set, for one structure. They are all that is called through a table. */
+/* The functions of an instruction set, for one structure. All else of it is reached through them. */
 struct mlrt_kernels {
     uint32_t width; /* floats of a vector */
     /* Traces the rays of a rectangle that starts at multiples of 4, and writes their results to frame and tile. */

@@ -74,7 +74,7 @@ struct mlrt_structure {
         struct mlrt_section sections[4];
         uint8_t first; /* the place of the first of `sections` in the file */
         uint8_t count;
-        uint16_t numbers; /* offset in struct mlrt_tree of two words that the file has besides; 0 = none */
+        uint16_t numbers; /* offset in struct mlrt_tree of two adjacent words that the file has besides; 0 = none */
         /*
          * Check what was loaded. `take` is called first, and lets triangles be read; `check` knows that the tree's
          * bounds and counts of triangles are right. NULL, or a static string that names the error.

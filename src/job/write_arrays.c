@@ -12,7 +12,6 @@
 #include "rays/lone_ray.h"
 #include "simd/quad.h"
 #include "simd/sixteen.h"
-#include "scene/masks.h"
 
 size_t mlrt_channel_size(enum mlrt_channel channel)
 {

@@ -129,12 +129,9 @@ void mlrt_gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet 
 /* Sets the ids of triangle `number`; those of a miss for MLRT_NONE. */
 void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh, uint32_t *triangle);
 
-/* rays/lone_ray.h */
-struct mlrt_lone_ray;
-
 /*
- * Sets all fields of a hit but `occluded`, for triangle `number`; a miss for MLRT_NONE. The judge computes the numbers
- * that `outputs` asks for; the others have no meaning.
+ * Sets all fields of a hit, `occluded` to 0, for triangle `number`; those of a miss for MLRT_NONE. The judge computes
+ * the numbers that `outputs` asks for; the others have no meaning.
  */
 void mlrt_set_hit(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t number, uint32_t outputs,
                   mlrt_hit *hit);

@@ -2,10 +2,8 @@
 /* Statistics of a tree and its invariants: see kdtree.h. */
 #include "mlrta/kdtree.h"
 
-#include <math.h>
 #include <string.h>
 
-#include "exact/predicate.h"
 #include "mlrta/split.h"
 
 /* Sets the cells of a node's children. */

@@ -17,7 +17,6 @@
 #include "mlrta/ray_group.h"
 #include "mlrta/setups.h"
 #include "mlrta/triangle_setup.h"
-#include "rays/extremes.h"
 #include "simd/simd.h"
 
 /* Distances of the four rays of a 2x2 packet. */

@@ -2,11 +2,9 @@
 /* The check of a camera. The formula of its rays is in camera.h. */
 #include "rays/camera.h"
 
-#include <float.h>
 #include <math.h>
 
 #include "base/structs.h"
-#include "exact/triangle.h"
 
 /* Up to here float holds the number of a column or row exactly, and its sum with 0.5. */
 #define PIXEL_LIMIT (1u << 23)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Checks the rays of a packet, as mlrt_fetch_packet read them, a vector at a time. The answers are those of
+ * Checks the rays of a packet, as they were read or made, a vector at a time. The answers are those of
  * mlrt_make_segment (exact/segment.h) and mlrt_is_safe_ray (source.h) for each ray.
  */
 #ifndef MLRT_RAYS_CHECK_PACKET_H

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* One ray of a call of its own, with numbers that float carries. */
+/* One ray as it was given, and its numbers, once it is known that float carries them. */
 #ifndef MLRT_RAYS_LONE_RAY_H
 #define MLRT_RAYS_LONE_RAY_H
 

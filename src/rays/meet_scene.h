@@ -6,10 +6,6 @@
 #ifndef MLRT_RAYS_MEET_SCENE_H
 #define MLRT_RAYS_MEET_SCENE_H
 
-#include <math.h>
-#include <stdint.h>
-#include <string.h>
-
 #include "exact/triangle.h"
 #include "mlrt.h"
 #include "rays/lone_ray.h"

@@ -7,7 +7,6 @@
 #define MLRT_RAYS_READ_ARRAYS_H
 
 #include <math.h>
-#include <string.h>
 
 #include "rays/array_layout.h"
 #include "rays/packet.h"

@@ -37,7 +37,7 @@ static int32_t find_widest(void)
     return (b & avx512) == avx512 && (saved & 0xE6) == 0xE6 ? MLRT_ISA_AVX512 : MLRT_ISA_AVX2;
 }
 
-int32_t mlrt_known_isa; /* the only static data that the library writes */
+int32_t mlrt_known_isa; /* the only static data that the library writes, but for the last message of each thread */
 
 /* Threads that look it up at the same time find the same. */
 static int32_t widest_isa(void)

@@ -3,8 +3,6 @@
 #ifndef MLRT_RUN_DISPATCH_H
 #define MLRT_RUN_DISPATCH_H
 
-#include <stddef.h>
-
 #include "base/platform.h"
 #include "job/structure.h"
 
@@ -26,8 +24,8 @@ static inline int mlrt_is_known_isa(int32_t isa)
 }
 
 /*
- * For one that is known, the same for a method with kernels in all instruction sets, without counting, as far as it is
- * known at once: NULL if mlrt_select_kernels has to say.
+ * The kernels of a structure for an instruction set that mlrt_is_known_isa allows, for calls without counters. NULL:
+ * not known yet, ask mlrt_select_kernels.
  */
 static inline const struct mlrt_kernels *mlrt_known_kernels(const struct mlrt_structure *structure, int32_t isa)
 {

@@ -5,7 +5,6 @@
 #ifndef MLRT_SCENE_MASKS_H
 #define MLRT_SCENE_MASKS_H
 
-#include "exact/predicate.h"
 #include "scene/tree.h"
 
 /* 1 if a ray with this mask passes through the triangle as if it were not there. */

@@ -8,7 +8,6 @@
 #include "base/progress.h"
 #include "base/scheduler.h"
 #include "base/structs.h"
-#include "scene/masks.h"
 
 /* Triangles that a worker copies at a time, before it calls mlrt_advance: less than a millisecond. */
 #define CHUNK_SIZE 8192

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A tree of any structure: an empty one, the mesh of a triangle, and which triangles are left out. */
+/* A tree of any structure: an empty one, and which triangles are left out. */
 #include "scene/tree.h"
 
 struct mlrt_tree *mlrt_allocate_tree(const struct mlrt_structure *structure, const struct mlrt_memory *memory)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Vectors of three doubles, DW lanes of each: the products that determinants consist of (exact/determinants.h). No
- * instruction set fuses these operations, because the bits of shadow rays depend on each (hits/shadow_ray.h).
+ * Vectors of three doubles, DW lanes of each: the products that determinants consist of (exact/determinants.h). They
+ * are fused in no instruction set, because the bits of shadow rays depend on each rounding (hits/shadow_ray.h).
  */
 #ifndef MLRT_SIMD_DOUBLES_H
 #define MLRT_SIMD_DOUBLES_H

@@ -5,8 +5,6 @@
 
 #include <stdint.h>
 
-#include "mlrt.h"
-
 /* Returns the places whose words are `word`, one bit each. */
 uint32_t mlrt_same_words(const uint32_t words[16], uint32_t word);
 

@@ -89,6 +89,16 @@ static MLRT_NOINLINE enum array_kind add_block(const struct mlrt_array_cells *ce
     return finite ? IS_MIXED : IS_VOID;
 }
 
+/* Sets a box from its extremes, which are given from an axis on. */
+MLRT_INLINE void set_box(const struct extremes from_axis[3], int axis, struct mlrt_box *box)
+{
+    for (int k = 0; k < 3; ++k) {
+        const struct extremes *of = &from_axis[(k + 3 - axis) % 3];
+        box->lo[k] = v_hmin(of->least);
+        box->hi[k] = -v_hmin(of->negated);
+    }
+}
+
 /* Sets the hull of a tile. Returns IS_MIXED if float does not carry its rays. */
 static enum array_kind set_array_cell(struct mlrt_array_cells *cells, const struct array_extremes *of, uint32_t place,
                                       struct mlrt_bundle *bundle)
@@ -108,8 +118,8 @@ static enum array_kind set_array_cell(struct mlrt_array_cells *cells, const stru
         fits &= cells->are_parallel || (lo >= -STEEPEST_SLOPE && hi <= STEEPEST_SLOPE);
     }
     set_box(of->box, bundle->waist.main_axis, &cells->ends[place]);
-    if (cells->are_parallel) hulls->first[place] = near, hulls->closed.core_first[place] = far;
-    if (cells->have_ends) hulls->closed.core_last[place] = near, hulls->last[place] = far;
+    if (cells->are_parallel) hulls->first[place] = near, hulls->closed.common_first[place] = far;
+    if (cells->have_ends) hulls->closed.common_last[place] = near, hulls->last[place] = far;
     return fits ? HAS_HULL : IS_MIXED;
 }
 

@@ -94,8 +94,8 @@ struct mlrt_filter_hulls {
 
 /* What is known only of closed packets (cover.h). */
 struct mlrt_closed_packets {
-    MLRT_ALIGNED(64) float core_first[MLRT_BUNDLE_PACKETS]; /* depths between which every ray looks for hits */
-    MLRT_ALIGNED(64) float core_last[MLRT_BUNDLE_PACKETS];
+    MLRT_ALIGNED(64) float common_first[MLRT_BUNDLE_PACKETS]; /* depths between which every ray looks for hits */
+    MLRT_ALIGNED(64) float common_last[MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) float cover_near[MLRT_BUNDLE_PACKETS]; /* the least depth of the cover */
     MLRT_ALIGNED(64) uint32_t cover[MLRT_BUNDLE_PACKETS];   /* the number of a triangle; MLRT_NONE = no cover so far */
     MLRT_ALIGNED(64)
@@ -156,11 +156,11 @@ struct mlrt_bundle_state {
     uint32_t going;                      /* traced as part of the bundle */
     uint32_t apexes;                     /* all rays start at the waist */
     uint32_t closed;                     /* only their cover is known, and no ray of theirs has been tested (cover.h) */
-    uint32_t covered;                    /* done, where any hit will do: one triangle hides all rays */
+    uint32_t covered;                    /* done, where any hit will do: triangles hide all rays */
     uint32_t nearer;                     /* rays have new hits, from which `last` of the hull has not been updated */
     uint32_t given_up;                   /* taken out of the bundle after too many tests in vain */
     uint32_t set_aside;                  /* to be traced lane by lane after the bundle */
-    uint32_t made;                       /* tile->rays have the numbers of their rays */
+    uint32_t has_lanes;                  /* tile->rays have the numbers of their rays */
     uint32_t has_reciprocals;            /* tile->reciprocals are set */
     uint32_t divided;                    /* are traced in two parts */
     uint32_t tests[MLRT_BUNDLE_PACKETS]; /* of triangles that no ray could hit */
@@ -280,8 +280,8 @@ struct mlrt_cell_parts {
 };
 
 /*
- * Areas that do without an attempt, after one in which it was in vain: 1, and if the next attempt is in vain as well 3,
- * then 7, and so on. After an attempt that was not in vain the next area makes one, too.
+ * After an attempt in vain the next area goes without one; after another in vain the next 3, then 7, and so on. After a
+ * success the next area makes one.
  */
 struct mlrt_run {
     uint32_t left;   /* areas, from this one on */

@@ -15,6 +15,7 @@
 
 #include "trace/cells.h"
 #include "trace/corner_slopes.h"
+#include "trace/ray_tile.h"
 
 /* The greater of two magnitudes. */
 static float larger_size(float a, float b)

@@ -66,16 +66,6 @@ static MLRT_NOINLINE int cell_skips(const struct mlrt_array_cells *cells, uint32
     return 0;
 }
 
-/* Sets a box from its extremes, which are given from an axis on. */
-MLRT_INLINE void set_box(const struct extremes from_axis[3], int axis, struct mlrt_box *box)
-{
-    for (int k = 0; k < 3; ++k) {
-        const struct extremes *of = &from_axis[(k + 3 - axis) % 3];
-        box->lo[k] = v_hmin(of->least);
-        box->hi[k] = -v_hmin(of->negated);
-    }
-}
-
 /*
  * As find_packets_apart (cover.h), of cells of arrays: returns those of `places` none of whose rays reaches the
  * triangle at a place of a leaf, as all end before its plane, or all begin behind it.

@@ -31,8 +31,8 @@ void mlrt_begin_cells(uint32_t there, struct mlrt_bundle *bundle)
     memset(hulls->first, 0, sizeof hulls->first);
     memset(hulls->begin, 0, sizeof hulls->begin);
     memset(hulls->filter.away, 0, sizeof hulls->filter.away);
-    memset(hulls->closed.core_first, 0, sizeof hulls->closed.core_first);
-    for (int i = 0; i < MLRT_BUNDLE_PACKETS; ++i) hulls->last[i] = hulls->closed.core_last[i] = INFINITY;
+    memset(hulls->closed.common_first, 0, sizeof hulls->closed.common_first);
+    for (int i = 0; i < MLRT_BUNDLE_PACKETS; ++i) hulls->last[i] = hulls->closed.common_last[i] = INFINITY;
     mlrt_fill_words(hulls->closed.skip, MLRT_NONE);
 }
 
@@ -83,6 +83,8 @@ void mlrt_see_plane_of_cells(const struct mlrt_array_cells *cells, const struct 
         of->size += fabs(to) * of->plane.size[k];
     }
 }
+
+#define END_ERROR 0x1p-49 /* L21 */
 
 struct mlrt_side_of_box mlrt_find_side_of_box(const struct mlrt_box *box, const struct mlrt_plane_of_cells *of)
 {

@@ -9,7 +9,6 @@
 #include "rays/rectangle.h"
 #include "trace/bundle.h"
 #include "trace/planes.h"
-#include "trace/ray_tile.h"
 
 /* Makes a point the waist. Returns 0 if it is not exact in units, or if float does not carry it. */
 int mlrt_set_apex(const float point[3], float unit, struct mlrt_waist *waist);
@@ -38,7 +37,10 @@ int mlrt_begin_parallel_cells(const struct mlrt_bvh *bvh, struct mlrt_array_cell
 int mlrt_begin_apex_cells(const struct mlrt_source *source, size_t first, float unit, struct mlrt_array_cells *cells,
                           struct mlrt_waist *waist);
 
-/* A plane, as rays of cells see it: of the point e of a ray, which is d or o, N - D or N is `distance` - normal . e. */
+/*
+ * A plane, as rays of cells see it. They have a point e: d if they begin at one point, o if they are parallel.
+ * `distance` - normal . e is then N - D or N.
+ */
 struct mlrt_plane_of_cells {
     struct mlrt_plane plane;
     double distance;
@@ -49,8 +51,6 @@ struct mlrt_plane_of_cells {
 /* Sets a plane, but for the sign, which differs from cell to cell. */
 void mlrt_see_plane_of_cells(const struct mlrt_array_cells *cells, const struct mlrt_triangle *triangle,
                              struct mlrt_plane_of_cells *of);
-
-#define END_ERROR 0x1p-49 /* L21 */
 
 /* Where a box lies: numbers of its points are at least `nearest` in the plane's sign, but for `error`. */
 struct mlrt_side_of_box {

@@ -45,7 +45,6 @@
 #include "hits/close_calls.h"
 #include "hits/triangle_filter.h"
 #include "job/stop.h"
-#include "rays/extremes.h"
 #include "rays/slope_limits.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
@@ -341,16 +340,16 @@ MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_jo
         const vf last = v_load(hulls->last + v), cover_near = v_load(hulls->closed.cover_near + v);
         const vm beside = m_or(v_gt(of.near, last), v_lt(of.far, v_load(hulls->first + v))),
                  passed = m_and(of.sure, beside);
-        const vm core = m_and(v_gt(of.near, v_load(hulls->closed.core_first + v)),
-                              v_lt(of.far, v_load(hulls->closed.core_last + v)));
+        const vm core = m_and(v_gt(of.near, v_load(hulls->closed.common_first + v)),
+                              v_lt(of.far, v_load(hulls->closed.common_last + v)));
         const vm covers = m_and(m_and(of.inside, core), v_lt(of.far, cover_near));
         const vm known = i_eq(i_load(hulls->closed.cover + v), i_set1(number));
         uint32_t met = asked & ~m_bits(m_or(of.out, passed)), skipping = 0;
         if (met & bundle->state.closed >> v) {
-            const vm near_begin = v_lt(of.near, v_load(hulls->closed.core_first + v));
-            const vf core_last = v_load(hulls->closed.core_last + v), ends = v_sub(last, core_last);
+            const vm near_begin = v_lt(of.near, v_load(hulls->closed.common_first + v));
+            const vf common_last = v_load(hulls->closed.common_last + v), ends = v_sub(last, common_last);
             const vf close = v_mul_add(v_abs(of.far), v_set1(ALWAYS_CLOSE), v_add(ends, ends));
-            const vm near_end = m_and(v_gt(of.far, core_last), v_le(v_sub(of.far, of.near), close));
+            const vm near_end = m_and(v_gt(of.far, common_last), v_le(v_sub(of.far, of.near), close));
             /*
              * Only packets that meet the plane near an end: most others are opened all the same, and to test them takes
              * 1.5 % of the time (shadow rays of erw6).

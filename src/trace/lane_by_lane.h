@@ -90,7 +90,7 @@ struct lanes_search {
     float reach;     /* 4 m: 4 times the greatest |d_k| of all lanes */
     uint32_t alive;  /* lanes that still need hits: where any hit will do, those without one */
     uint32_t count;
-    struct pending_lanes stack[WAITING_LIMIT + 1];
+    struct pending_lanes stack[MLRT_BVH_STACK_LIMIT + 1];
 };
 
 /* Sets lo and hi of an axis to the interval of all coordinates on the rays: see "HULLS" above. */

@@ -139,16 +139,6 @@ MLRT_INLINE void set_up_vector_by(const struct bundle_corners *corners, uint32_t
     v_store(leaf->edges.steepness + v, steepness);
 }
 
-MLRT_INLINE void set_up_bundle_vector(const struct bundle_corners *corners, uint32_t v, int has_places,
-                                      struct mlrt_bundle_leaf *leaf)
-{
-    if (has_places) {
-        set_up_vector_by(corners, v, 1, leaf);
-    } else {
-        set_up_vector_by(corners, v, 0, leaf);
-    }
-}
-
 /* The places where float does not tell the sign of N at the waist. */
 MLRT_INLINE uint32_t doubtful_places(const struct mlrt_bundle_leaf *leaf)
 {
@@ -204,8 +194,12 @@ static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const s
         if (!((wanted & ~leaf->state.ready) >> v & ALL_LANES)) continue;
         struct bundle_corners of;
         load_bundle_corners(waist, leaf->corners, leaf->row, v, &of);
-        set_up_bundle_vector(&of, v, leaf->has_places, leaf);
-        now |= (ALL_LANES & 0xFFFF) << v;
+        if (leaf->has_places) {
+            set_up_vector_by(&of, v, 1, leaf);
+        } else {
+            set_up_vector_by(&of, v, 0, leaf);
+        }
+        now |= ALL_LANES << v;
     }
     if (MLRT_UNLIKELY((leaf->state.odd & now) != 0)) {
         mlrt_set_up_odd_triangles(tree, waist, leaf->state.odd & now, leaf);
@@ -244,15 +238,15 @@ MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle *bundle, uint32_t child
  * waist.
  */
 MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_job *job,
-                                                            const struct mlrt_bundle *bundle, int has_places,
-                                                            uint32_t child, const struct mlrt_worker *worker,
-                                                            uint32_t *seen)
+                                                            const struct mlrt_bundle *bundle, uint32_t child,
+                                                            const struct mlrt_worker *worker, uint32_t *seen)
 {
+    const int has_places = bundle->has.places;
     struct mlrt_bundle_cache *cache = bundle->cache;
     const uint32_t place = place_of_leaf(child, cache);
     struct mlrt_bundle_leaf *leaf = &cache->leaves[place];
     if (!has_bundle_leaf(bundle, child)) {
-        begin_bundle_leaf(job->tree, &bundle->waist, bundle->has.places, child, worker->mask, leaf);
+        begin_bundle_leaf(job->tree, &bundle->waist, has_places, child, worker->mask, leaf);
         cache->children[place] = child;
     }
     *seen = triangles_met(bundle, leaf, &bundle->whole, has_places,

@@ -5,7 +5,6 @@
 #ifndef MLRT_TRACE_LEAF_IN_DOUBLE_H
 #define MLRT_TRACE_LEAF_IN_DOUBLE_H
 
-#include "job/job.h"
 #include "trace/bundle.h"
 
 /* Gives the odd triangles of a leaf their depths, and outlines that all rays meet. */

@@ -75,8 +75,8 @@ MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct m
 }
 
 /*
- * Traces the packets of a tile. Afterwards the packets in bundle->closed have a cover in place of rays; all others have
- * rays with their nearest hits.
+ * Traces the packets of a tile. Afterwards the packets in bundle->state.closed have a cover in place of rays; all
+ * others have rays with their nearest hits.
  */
 static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {

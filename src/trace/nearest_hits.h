@@ -7,7 +7,6 @@
 
 #include <float.h>
 
-#include "rays/slope_limits.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
 #include "trace/ray_hulls.h"

@@ -26,9 +26,6 @@
 #ifndef MLRT_TRACE_OUTLINE_H
 #define MLRT_TRACE_OUTLINE_H
 
-#include <math.h>
-
-#include "rays/extremes.h"
 #include "rays/slope_limits.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"

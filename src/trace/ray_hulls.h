@@ -95,9 +95,9 @@ MLRT_INLINE void keep_extremes(const float least[12], uint32_t place, struct mlr
         hulls->term[MLRT_PLACE_J + i].hi[place] = 0 - least[6 + i];
     }
     hulls->first[place] = least[8];
-    hulls->closed.core_first[place] = -least[9];
+    hulls->closed.common_first[place] = -least[9];
     hulls->last[place] = -least[10];
-    hulls->closed.core_last[place] = least[11];
+    hulls->closed.common_last[place] = least[11];
 }
 
 /* Bounds a packet again, by the rays that are still active. */
@@ -341,8 +341,8 @@ static MLRT_NOINLINE uint32_t hulls_fit(struct mlrt_bundle *bundle, uint32_t pla
     uint32_t fit = 0, small = 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         const vf least = v_set1(LEAST_SLOPE), below = v_set1(-LEAST_SLOPE), zero = v_set1(0), two = v_set1(2);
-        const vf first = v_load(hulls->first + v), core_first = v_load(hulls->closed.core_first + v);
-        vm fits = v_le(core_first, v_set1(MLRT_BVH_FAR)), is_small = m_from_bits(0);
+        const vf first = v_load(hulls->first + v), common_first = v_load(hulls->closed.common_first + v);
+        vm fits = v_le(common_first, v_set1(MLRT_BVH_FAR)), is_small = m_from_bits(0);
         vf steepest = v_set1(0.5f), aside = zero;
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
@@ -355,7 +355,7 @@ static MLRT_NOINLINE uint32_t hulls_fit(struct mlrt_bundle *bundle, uint32_t pla
             const vm is_zero = m_and(v_eq(lo, zero), v_eq(hi, zero));
             is_small = m_or(is_small, m_andnot(m_and(v_lt(lo, least), v_gt(hi, below)), is_zero));
         }
-        const vf deep = v_add(v_max(v_abs(first), v_abs(core_first)), v_load(hulls->begin + v));
+        const vf deep = v_add(v_max(v_abs(first), v_abs(common_first)), v_load(hulls->begin + v));
         const vf away = v_mul(v_mul(v_mul_add(steepest, deep, aside), two), v_set1(1 + SLOPE_SLACK));
         v_store(hulls->filter.away + v, v_select(m_from_bits(places >> v), away, v_load(hulls->filter.away + v)));
         fit |= m_bits(m_and(fits, v_le(away, farthest))) << v;
@@ -375,7 +375,7 @@ static MLRT_NOINLINE void make_lanes(struct mlrt_bundle *bundle, uint32_t place)
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     const vf zero = v_set1(0), unit = v_set1(bundle->scene.unit);
-    bundle->state.made |= 1u << place;
+    bundle->state.has_lanes |= 1u << place;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         struct given_rays given;
         vf slope[2], at[2], to_waist[3];
@@ -413,12 +413,12 @@ static MLRT_NOINLINE void make_lanes(struct mlrt_bundle *bundle, uint32_t place)
 /* Computes the numbers of a packet's rays unless this was done before. */
 MLRT_INLINE void need_lanes(struct mlrt_bundle *bundle, uint32_t place)
 {
-    if (!(bundle->state.made >> place & 1)) make_lanes(bundle, place);
+    if (!(bundle->state.has_lanes >> place & 1)) make_lanes(bundle, place);
 }
 
 /*
  * For the packets `places` of a vector: moves the depths of their hulls apart by more than rounding can change (L13),
- * and cuts them to those of the scene. The depths between which all rays look (core_first, core_last) are moved
+ * and cuts them to those of the scene. The depths between which all rays look (common_first, common_last) are moved
  * closer.
  */
 MLRT_INLINE void finish_depths(struct mlrt_bundle *bundle, uint32_t places, int v)
@@ -431,12 +431,12 @@ MLRT_INLINE void finish_depths(struct mlrt_bundle *bundle, uint32_t places, int 
     const vf to = v_add(last, v_mul_add(v_add(v_abs(last), away), slack, floor));
     v_store(hulls->first + v, v_select(these, v_max(from, v_set1(bundle->scene.first)), first));
     v_store(hulls->last + v, v_select(these, v_min(to, v_set1(bundle->scene.last)), last));
-    const vf core_first = v_load(hulls->closed.core_first + v);
-    const vf core_last = v_min(v_load(hulls->closed.core_last + v), v_set1(FLT_MAX)); /* else inf - inf is a NaN */
-    const vf core_from = v_add(core_first, v_mul_add(v_add(v_abs(core_first), away), slack, floor));
-    const vf core_to = v_sub(core_last, v_mul_add(v_add(v_abs(core_last), away), slack, floor));
-    v_store(hulls->closed.core_first + v, v_select(these, core_from, core_first));
-    v_store(hulls->closed.core_last + v, v_select(these, core_to, core_last));
+    const vf common_first = v_load(hulls->closed.common_first + v);
+    const vf common_last = v_min(v_load(hulls->closed.common_last + v), v_set1(FLT_MAX)); /* else inf - inf is a NaN */
+    const vf common_from = v_add(common_first, v_mul_add(v_add(v_abs(common_first), away), slack, floor));
+    const vf common_to = v_sub(common_last, v_mul_add(v_add(v_abs(common_last), away), slack, floor));
+    v_store(hulls->closed.common_first + v, v_select(these, common_from, common_first));
+    v_store(hulls->closed.common_last + v, v_select(these, common_to, common_last));
 }
 
 /*

@@ -28,11 +28,11 @@ struct mlrt_ray_tile {
     struct mlrt_reciprocals reciprocals[MLRT_CELL_COUNT];
 };
 
-/* The places in the first `columns` columns and `rows` rows of packets. */
+/* One bit for each packet in the first `columns` columns and `rows` rows; a list has one column of sixteen. */
 MLRT_INLINE uint32_t mlrt_places(uint32_t column_bits, uint32_t columns, uint32_t rows)
 {
     if (!columns) return 0;
-    return column_bits ? (0xFu >> (4 - columns)) * (0x11110u >> 4 * (4 - rows) >> 4) : 0xFFFFu >> (16 - rows);
+    return column_bits ? (0xFu >> (4 - columns)) * (0x1111u >> 4 * (4 - rows)) : 0xFFFFu >> (16 - rows);
 }
 
 /* Begins a tile without rays. The tile of a list has one column of packets. */

@@ -5,7 +5,6 @@
 #ifndef MLRT_TRACE_READ_TILE_H
 #define MLRT_TRACE_READ_TILE_H
 
-#include "rays/check_packet.h"
 #include "rays/fetch_block.h"
 #include "rays/read_arrays.h"
 #include "trace/ray_tile.h"

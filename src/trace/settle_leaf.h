@@ -76,7 +76,7 @@ MLRT_INLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker
         lanes &= ~same;
         if (nearest == MLRT_NONE) continue;
         const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, nearest, worker, bundle->cache);
-        if (line->kind == MLRT_ONE_PLANE) { /* as in mlrt_settle_tie */
+        if (line->kind == MLRT_ONE_PLANE) { /* as in settle_tie, hits/undecided.c */
             const uint32_t tied = number > nearest ? same : same & m_bits(inside);
             if (number < nearest) hits->triangle = i_select(m_from_bits(tied), i_set1(number), hits->triangle);
             left &= ~tied;

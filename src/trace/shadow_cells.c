@@ -37,7 +37,7 @@
 /* The least D, and the errors of places: relative to z / D, and relative to |o - L| + 2 z + P. */
 #define LEAST_STEEPNESS 0x1p-5f
 #define ALONG_ERROR     0x1p-18f
-#define PLACE_ERROR     0x1p-20f
+#define LIT_PLACE_ERROR 0x1p-20f
 
 /* The plane of the cover of each cell. */
 struct planes {
@@ -55,7 +55,7 @@ static enum side find_plane(const struct mlrt_source *light, const struct mlrt_t
     struct mlrt_surface surface;
     mlrt_find_surface(light, triangle, eye, &surface);
     const double n = surface.n;
-    if (!(surface.is_round && fabs(n) > 2 * MLRT_SHADOW_SIDE * surface.reach &&
+    if (!(surface.is_thick && fabs(n) > 2 * MLRT_SHADOW_SIDE * surface.reach &&
           fabs(surface.height) > 2 * MLRT_SHADOW_SIDE * surface.height_size)) {
         return UNKNOWN;
     }
@@ -147,9 +147,9 @@ static uint32_t set_lit_cells(const struct hit_extremes *of, const struct planes
 {
     const f4 z = of->greatest_z, sizes = f4_add(f4_add(f4_set1(away), f4_add(z, z)), f4_load(planes->reach + first));
     const f4 along = f4_div(f4_mul(f4_set1(ALONG_ERROR), z), of->least_steepness);
-    const f4 error = f4_add(f4_add(f4_mul(f4_set1(PLACE_ERROR), sizes), along), f4_set1(SLOPE_FLOOR));
+    const f4 error = f4_add(f4_add(f4_mul(f4_set1(LIT_PLACE_ERROR), sizes), along), f4_set1(SLOPE_FLOOR));
     const f4 least = f4_sub(of->slopes.least_depth, error), greatest = f4_add(of->slopes.greatest_depth, error);
-    f4_store(lit->hulls.closed.core_last + first, f4_mul(least, f4_set1(1 - SLOPE_SLACK)));
+    f4_store(lit->hulls.closed.common_last + first, f4_mul(least, f4_set1(1 - SLOPE_SLACK)));
     f4_store(lit->hulls.last + first, f4_mul(greatest, f4_set1(1 + SLOPE_SLACK)));
     return set_cell_slopes(&of->slopes, (const f4[3]){error, error, error}, first, &lit->hulls) &
            f4_above(of->least_steepness, f4_set1(LEAST_STEEPNESS));

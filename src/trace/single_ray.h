@@ -64,7 +64,7 @@ struct single_ray {
     vf t_min;
     size_t near_row[3]; /* per axis, the offset in a node of the planes that the ray crosses first */
     size_t far_row[3];  /* of those that it crosses last */
-    float reach;        /* 4 m: see "Overflow" */
+    float reach;        /* 4 m: see "Overflow" in triangle_test.h */
     uint32_t lane;
 };
 
@@ -126,7 +126,7 @@ MLRT_INLINE void set_single_ray(const struct ray_rows *rows, const struct mlrt_p
         reach = larger_of(fabsf(d), reach);
     }
     ray->reach = 4 * reach;
-    ray->t_min = v_set1(packet->t_min[lane] + 0.0f); /* -0 becomes 0: see WAITING_LIMIT */
+    ray->t_min = v_set1(packet->t_min[lane] + 0.0f); /* -0 becomes 0: see stack_entry */
     ray->lane = lane;
 }
 
@@ -517,7 +517,7 @@ MLRT_INLINE struct mlrt_corners trace_lane(const struct mlrt_job *job, int any, 
 {
     const struct mlrt_bvh_node *nodes = job->tree->bvh.nodes;
     MLRT_ALIGNED(64) float order[MLRT_BVH_WIDTH];
-    uint64_t stack[WAITING_LIMIT];
+    uint64_t stack[MLRT_BVH_STACK_LIMIT];
     struct corner_rows nearest = {NULL, 0};
     uint32_t count = 0;
     struct single_ray ray;

@@ -31,7 +31,6 @@
 #include "trace/cuts.h"
 #include "trace/leaf.h"
 #include "trace/packet_tests.h"
-#include "trace/outline.h"
 #include "trace/single_ray.h"
 #include "trace/units.h"
 
@@ -40,8 +39,6 @@ struct pending_box {
     float near;    /* least depth; negated if the farthest boxes are opened first */
     uint32_t slot; /* 16 * number of the node + place in it */
 };
-
-#define TILE_STACK_SIZE (MLRT_BVH_DEPTH_LIMIT * (MLRT_BVH_WIDTH - 1) + 1)
 
 /* Prefetches the node, or the corners and numbers of the leaf, that is a child. */
 MLRT_INLINE void prefetch_child(const struct mlrt_bvh *bvh, uint32_t child)
@@ -275,10 +272,10 @@ MLRT_INLINE uint32_t triangles_of_packet(const uint32_t packets_of[MLRT_BVH_LEAF
  * against all packets, a vector of them at a time (cover.h). Then each packet is tested against the other triangles.
  */
 MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                      struct mlrt_bundle *bundle, uint32_t child, uint32_t met, int has_places)
+                                      struct mlrt_bundle *bundle, uint32_t child, uint32_t met)
 {
     uint32_t seen;
-    const struct mlrt_bundle_leaf *leaf = find_bundle_leaf(job, bundle, has_places, child, worker, &seen);
+    const struct mlrt_bundle_leaf *leaf = find_bundle_leaf(job, bundle, child, worker, &seen);
     if (!seen) return;
     MLRT_ALIGNED(64) uint32_t packets_of[MLRT_BVH_LEAF_LIMIT] = {0};
     uint32_t listed = 0;
@@ -306,7 +303,7 @@ static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlr
 {
     const int has_places = bundle->has.places;
     const struct mlrt_bvh *bvh = &job->tree->bvh;
-    struct pending_box stack[TILE_STACK_SIZE];
+    struct pending_box stack[MLRT_BVH_STACK_LIMIT];
     MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
     const int is_many =
         bundle->tile && mlrt_count_bits(bundle->state.going) >= MLRT_MANY_PACKETS && bundle->scene.unit == 1;
@@ -339,7 +336,7 @@ static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlr
                 break;
             }
             COUNT(&worker->counters, cell_count, 1);
-            visit_leaf_of_bundle(job, worker, bundle, child, met, has_places);
+            visit_leaf_of_bundle(job, worker, bundle, child, met);
             if (MLRT_UNLIKELY(mlrt_count_bits(bundle->state.given_up) > MLRT_MOST_GIVEN_UP)) return;
         }
     }
@@ -363,7 +360,7 @@ static void set_scene_depths(const struct mlrt_bvh *bvh, struct mlrt_bundle *bun
     find_depths(&bvh->core, &bundle->waist, &bundle->scene.core_first, &bundle->scene.core_last);
 }
 
-/* Returns the packets of a bundle that are far wider than most. */
+/* Returns the packets of a bundle that are far wider than the narrow ones. */
 static MLRT_NOINLINE uint32_t find_wide_packets(const struct mlrt_bundle *bundle)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
@@ -495,7 +492,7 @@ static void begin_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
 {
     bundle->cache = &worker->bundles->caches[job->any];
     bundle->scene.unit = job->tree->bvh.unit;
-    bundle->state.made = bundle->state.given_up = bundle->state.nearer = bundle->state.covered = 0;
+    bundle->state.has_lanes = bundle->state.given_up = bundle->state.nearer = bundle->state.covered = 0;
     bundle->state.set_aside = bundle->state.has_reciprocals = bundle->state.divided = 0;
     memset(bundle->state.later, 0, sizeof bundle->state.later);
     bundle->has.begins = 0;
@@ -568,7 +565,7 @@ static void trace_first_parts(const struct mlrt_job *job, struct mlrt_worker *wo
         }
     }
     bundle->state.set_aside |= bundle->state.given_up;
-    for (uint32_t left = bundle->state.going & ~bundle->state.made; left; left &= left - 1) {
+    for (uint32_t left = bundle->state.going & ~bundle->state.has_lanes; left; left &= left - 1) {
         if (has_rays(bundle, mlrt_lowest_bit(left))) finish_untouched_packet(bundle, mlrt_lowest_bit(left));
     }
 }
@@ -612,8 +609,8 @@ static void trace_packets_by_lanes(const struct mlrt_job *job, struct mlrt_worke
 }
 
 /*
- * Traces a bundle of packets or tiles that have hulls but no rays (camera_cells.c, shadow_cells.c). Packets get rays
- * when they are opened. If `is_open`, all are opened at once.
+ * Traces a bundle of packets or tiles that have hulls but no rays (camera_cells.c, shadow_cells.c, array_cells.h).
+ * Packets get rays when they are opened. If `is_open`, all are opened at once.
  */
 static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_worker *worker, int is_open,
                                       struct mlrt_bundle *bundle)
@@ -663,7 +660,7 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
 {
     struct mlrt_ray_tile *tile = bundle->tile;
     const uint32_t cells = bundle->state.closed;
-    uint32_t alone = 0;
+    uint32_t others = 0;
     bundle->scene.unit = job->tree->bvh.unit;
     for (uint32_t left = places; left; left &= left - 1) {
         struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(left)];
@@ -673,15 +670,15 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
     }
     if (job->tree->bvh.node_count == 0) return;
     if (!cells && !(places & (places - 1))) {
-        alone = check_odd_packets(bundle, places);
+        others = check_odd_packets(bundle, places);
     } else if (worker->bundles->lane_tiles[job->any]) {
         --worker->bundles->lane_tiles[job->any];
-        alone = check_odd_packets(bundle, places);
-        if (cells) alone |= trace_as_bundle(job, worker, bundle, 0);
+        others = check_odd_packets(bundle, places);
+        if (cells) others |= trace_as_bundle(job, worker, bundle, 0);
     } else {
-        alone = trace_as_bundle(job, worker, bundle, places);
+        others = trace_as_bundle(job, worker, bundle, places);
     }
-    trace_packets_by_lanes(job, worker, tile, alone);
+    trace_packets_by_lanes(job, worker, tile, others);
 }
 
 #endif

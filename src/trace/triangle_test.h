@@ -4,7 +4,8 @@
  * or one triangle and many rays: the arithmetic is the same. What belongs to the triangle alone, its sides and their
  * products, is computed first, and may serve many rays.
  *
- * WHAT IS COMPUTED. Let p = fl(a - o), g = fl(a - c), h = fl(a - b), n = h x g, and r = d x p. Then, as in predicate.c,
+ * WHAT IS COMPUTED. Let p = fl(a - o), g = fl(a - c), h = fl(a - b), n = h x g, and r = d x p. Then, as in
+ * determinants.h,
  *
  *     e_ca = g . r     -e_ab = h . r     D = d . n     N = p . n     e_bc = D - e_ca - e_ab
  *

@@ -118,28 +118,28 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
     find_spread(samples, count, waist, &of);
     const float size = bounds->hi[a] - bounds->lo[a];
     const float lowest = waist->sign > 0 ? bounds->lo[a] - waist->point[a] : waist->point[a] - bounds->hi[a];
-    const int is_narrow = !(of.slope_slope * size * size > 1e-8f * size * size + 1e-5f * of.place_place);
-    float depth = is_narrow ? lowest + 0.5f * size : -of.slope_place / of.slope_slope;
+    const int is_beam = !(of.slope_slope * size * size > 1e-8f * size * size + 1e-5f * of.place_place);
+    float depth = is_beam ? lowest + 0.5f * size : -of.slope_place / of.slope_slope;
     if (!(depth > lowest - size)) depth = lowest - size;
     if (depth > lowest + 2 * size) depth = lowest + 2 * size;
-    if (last->main_axis == a && last->sign == waist->sign && last->is_beam == is_narrow) {
+    if (last->main_axis == a && last->sign == waist->sign && last->is_beam == is_beam) {
         const float there = (last->point[a] - waist->point[a]) * waist->sign, away = fabsf(there - lowest);
         const float variance = of.place_place + there * (2 * of.slope_place + there * of.slope_slope);
         const float least = of.place_place + depth * (2 * of.slope_place + depth * of.slope_slope);
         const float other = (away + size) * (away + size);
         const float turn = (of.slope[0] - last->slope[0]) * (of.slope[0] - last->slope[0]) +
                            (of.slope[1] - last->slope[1]) * (of.slope[1] - last->slope[1]);
-        const int is_along = is_narrow && turn * size * size <= 0.25f * of.place_place;
-        if (variance <= 1.5f * least + 1e-3f * of.slope_slope * other && (is_narrow ? is_along : away <= 3 * size)) {
+        const int is_along = is_beam && turn * size * size <= 0.25f * of.place_place;
+        if (variance <= 1.5f * least + 1e-3f * of.slope_slope * other && (is_beam ? is_along : away <= 3 * size)) {
             *waist = *last;
             return 1;
         }
     }
-    waist->is_beam = is_narrow;
+    waist->is_beam = is_beam;
     MLRT_UNROLL
     for (int side = 0; side < 2; ++side) {
         const float slope = of.slope[side];
-        waist->slope[side] = is_narrow && fabsf(slope) <= STEEPEST_SLOPE ? slope : 0;
+        waist->slope[side] = is_beam && fabsf(slope) <= STEEPEST_SLOPE ? slope : 0;
     }
     float step[3];
     step[a] = waist->sign * depth;
