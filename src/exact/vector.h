@@ -49,4 +49,22 @@ MLRT_INLINE double mlrt_size_of(struct mlrt_vector v)
     return fabs(v.x) + fabs(v.y) + fabs(v.z);
 }
 
+/* ---- of arrays ---- */
+
+MLRT_INLINE double mlrt_sum_of_magnitudes(const double a[3])
+{
+    return fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
+}
+
+/* Sets `cross` to p x q, and `size` to what the error of each component is relative to. */
+MLRT_INLINE void mlrt_cross_with_sizes(const double p[3], const double q[3], double cross[3], double size[3])
+{
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const double r = p[(k + 1) % 3] * q[(k + 2) % 3], s = p[(k + 2) % 3] * q[(k + 1) % 3];
+        cross[k] = r - s;
+        size[k] = fabs(r) + fabs(s);
+    }
+}
+
 #endif

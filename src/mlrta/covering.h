@@ -21,6 +21,7 @@
 
 #include "base/platform.h"
 #include "exact/rounding.h"
+#include "exact/vector.h"
 #include "mlrta/beam.h"
 
 /* The terms of a triangle at the four corners of a beam. Index 3 of value and bound is the determinant D. */
@@ -61,12 +62,7 @@ MLRT_INLINE double product_of(const double a[3], const double b[3])
 static void set_corner_term(const struct corner_directions *corners, const double p[3], const double q[3], int i,
                             double cross[3], double size[3], struct corner_terms *terms)
 {
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        const double r = p[(k + 1) % 3] * q[(k + 2) % 3], s = p[(k + 2) % 3] * q[(k + 1) % 3];
-        cross[k] = r - s;
-        size[k] = fabs(r) + fabs(s);
-    }
+    mlrt_cross_with_sizes(p, q, cross, size);
     for (int corner = 0; corner < 4; ++corner) terms->value[i][corner] = product_of(corners->d[corner], cross);
     terms->bound[i] = product_of(corners->size, size) * 0x1p-49;
 }

@@ -13,6 +13,7 @@
 
 #include <math.h>
 
+#include "exact/vector.h"
 #include "scene/tree.h"
 #include "trace/bundle.h"
 
@@ -22,17 +23,6 @@ struct mlrt_plane {
     double normal[3];
     double size[3];
 };
-
-/* Sets `cross` to p x q, and `size` to the size of each component. */
-static inline void mlrt_cross_with_sizes(const double p[3], const double q[3], double cross[3], double size[3])
-{
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        const double r = p[(k + 1) % 3] * q[(k + 2) % 3], s = p[(k + 2) % 3] * q[(k + 1) % 3];
-        cross[k] = r - s;
-        size[k] = fabs(r) + fabs(s);
-    }
-}
 
 static inline void mlrt_set_plane(const struct mlrt_triangle *triangle, struct mlrt_plane *plane)
 {
@@ -49,11 +39,6 @@ static inline void mlrt_set_plane(const struct mlrt_triangle *triangle, struct m
 static inline double mlrt_weigh(const double a[3])
 {
     return fabs(a[0]) + 0.5 * (fabs(a[1]) + fabs(a[2]));
-}
-
-static inline double mlrt_sum_of_magnitudes(const double a[3])
-{
-    return fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
 }
 
 /* Corners in units, and the waist: component 0 is that of the main axis, with the sign of the waist. */
