@@ -4,11 +4,11 @@
 #   make help            this list
 #   make deps            installs the packages that examples and tests need (Debian and Ubuntu; elsewhere it names them)
 #   make test            builds and runs every test
-#   make test-mutants    breaks rules of the paper's method one at a time, in copies of the sources (tests/mutants.txt), and shows
-#                        that a test fails each time: minutes. MUTANTS="cover mailbox": those whose titles have such a word
+#   make test-mutants    breaks rules of the paper's method, and of covers, one at a time, in copies of the sources
+#                        (tests/mutants.txt), and shows that a test fails each time: minutes. MUTANTS="cover mailbox": those whose titles have such a word
 #   make test-python     tests the Python package in bindings/python, and its types if pyright is installed
 #   make test-bindings   tests the bindings of other languages whose tools are installed
-#   make deps-bindings   installs those of these tools that Debian has: LuaJIT, LuaRocks and clang
+#   make deps-bindings   installs those of these tools that Debian has: LuaJIT, LuaRocks, g++ and clang
 #   make bindings-coverage  tests the bindings and writes the table in bindings/README.md of what they reach
 #   make package-rust    packs a binding, with the library inside, in build/packages; also package-go, package-node,
 #                        package-java, package-lua
@@ -108,7 +108,6 @@ LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
 # One object of kernels per instruction set. Kernels in plain C exist only where there is no SSE2 (or with SCALAR=1), but
 # their words are tested anywhere.
-ALL_ISAS    := scalar sse avx2 avx512
 KERNELS     := $(if $(and $(IS_X86),$(if $(SCALAR),,1)),sse avx2 avx512,scalar)
 ISAS        := scalar $(filter-out scalar,$(KERNELS))
 ISA_FLAGS_avx2   := -mavx2 -mfma
@@ -155,7 +154,7 @@ TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_
 .PHONY: install install-strip uninstall
 .PHONY: help test-packaging deps-packaging
 .PHONY: bench charts charts-accuracy charts-speed data data-reproduction data-price data-depth data-python
-.PHONY: tables check-tables check-lemmas sweep measure
+.PHONY: tables check-tables check-lemmas sweep measure measure-all draw programs-to-measure build-tests
 .SECONDARY:
 
 all: library examples
@@ -447,7 +446,7 @@ bench: | $(AFTER_DEPS)
 	@$(BUILD)/bin/bench $(BENCH_ALL) $(BENCH)
 
 # Documents whose tables are made from docs/data, and charts that are drawn from it; the other pictures are renderings.
-DOCUMENTS := README.md $(wildcard docs/*.md docs/data/README.md bindings/*.md bindings/*/README.md)
+DOCUMENTS := README.md $(wildcard docs/*.md bindings/*.md bindings/*/README.md)
 CHARTS := $(filter-out docs/office.png docs/engine.png docs/map-tests.png,$(wildcard docs/*.png))
 tables:
 	@$(PYTHON) examples/common/tables.py docs/data $(DOCUMENTS) $(CHARTS)

@@ -90,7 +90,7 @@ static int32_t load(struct engine *engine)
         meshes[i].indices = parts[i]->indices;
         meshes[i].triangle_count = parts[i]->triangle_count;
     }
-    // The bar is this call's alone. The tree keeps heap and log of the host, but not its progress.
+    // The bar is this call's alone. The tree keeps the heap of the host, but neither its log nor its progress.
     mlrt_host host = engine->host;
     host.progress = on_progress;
     mlrt_tree_options options = {.struct_size = sizeof options,

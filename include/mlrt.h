@@ -579,9 +579,9 @@ MLRT_API void mlrt_destroy_pool(mlrt_pool *pool);
  * ------------------------------------------------------------------------------------------------------------------ */
 
 /*
- * Methods: mlrt_trace_options.method. The answers are the same from each. RAY traces trees of both structures, each
- * other one trees of one structure; in trees of the other it is MLRT_ERROR_UNSUPPORTED. In mlrt_trace_ray the ray goes
- * alone, whatever the method.
+ * Methods: mlrt_trace_options.method. The answers are the same from each. RAY traces trees of both structures. Each
+ * other method traces trees of one structure; for a tree of the other the answer is MLRT_ERROR_UNSUPPORTED. In
+ * mlrt_trace_ray the ray goes alone, whatever the method.
  */
 enum {
     MLRT_METHOD_DEFAULT = 0, /* boxes: TILE; kd-tree: MULTILEVEL, the paper's */
@@ -590,9 +590,9 @@ enum {
                                 Tracing", 2001) */
     MLRT_METHOD_PACKET4 = 3, /* kd-tree: 4x4 rays by interval traversal from the root (the paper, section 4.3) */
     MLRT_METHOD_MULTILEVEL = 4, /* kd-tree: the same from entry points of beams (the paper, sections 3.3 to 4.2) */
-    MLRT_METHOD_TILE = 5 /* boxes: a tile of 16 packets of 16 rays goes down together, as a bundle. Squares of 16 tiles
-                            do so first, without rays, if they are of a pinhole camera, or of any-hit rays with one
-                            origin or direction. Packets too wide for a bundle go lane by lane; where only few rays
+    MLRT_METHOD_TILE = 5        /* boxes: a tile of 16 packets of 16 rays goes down together, as a bundle. Pictures of a
+                            pinhole camera, and any-hit rays with one origin or direction, begin with bundles of 16
+                            tiles, which need no rays. Packets too wide for a bundle go lane by lane; where few rays
                             meet a box, each goes alone */
 };
 
@@ -658,8 +658,8 @@ enum {
 typedef struct mlrt_counters {
     uint32_t struct_size;  /* sizeof(mlrt_counters) */
     uint32_t reserved;     /* must be 0 */
-    uint64_t ray_count;    /* rays traced. Method tile: of shadow rays of a picture's lights, those that are made; where
-                              one triangle is seen over many pixels, it decides their shadows without rays */
+    uint64_t ray_count;    /* rays traced. Of shadow rays of a picture's lights, method tile counts those that it makes:
+                              where one triangle covers many pixels, it decides their shadows without rays */
     uint64_t packet_count; /* kd-tree: groups of rays traced together (packets, or less where directions differ), and
                               rays that went alone. Method tile: packets that went lane by lane, and rays that went
                               alone, counted each time */
@@ -1032,10 +1032,10 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
  * point that it shows. This is much faster than mlrt_occluded_points, as no points have to leave the library. If the
  * ray o + t d of a pixel hits a triangle abc, bit k of `occluded` is 1 where light k does not reach the hit:
  *
- *   - A light does not reach it if it is not strictly on that side of abc's plane from which the ray came (for a
- *     directional light: if its direction does not strictly point to that side). A light also counts as one on the
- *     other side if the ray below would leave the range of float: if d' (point light) or o' (directional light) would
- *     have a component beyond the greatest float.
+ *   - A light does not reach it unless it is strictly on that side of abc's plane from which the ray came (a directional
+ *     light: unless its direction points strictly to that side). A light also counts as one on the other side if the
+ *     ray below would leave the range of float: if d' (point light) or o' (directional light) would have a component
+ *     beyond the greatest float.
  *   - Otherwise a ray decides: for a point light at L, from o' = L along d' for 0 < t <= 1; for a directional light,
  *     from o' along d' = position for 0 < t. Its end L + d', or its origin o', is a point just off the hit, surely on
  *     the side from which the picture's ray came. It is moved off by about 2^-22 of the greatest coordinate relative to

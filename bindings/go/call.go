@@ -19,7 +19,7 @@ type Level int
 const (
 	LogError   = Level(C.MLRT_LOG_ERROR)   // the reason why a call fails
 	LogWarning = Level(C.MLRT_LOG_WARNING) // something was left out
-	LogInfo    = Level(C.MLRT_LOG_INFO)    // a tree was built, its size and time; or a build was stopped
+	LogInfo    = Level(C.MLRT_LOG_INFO)    // a tree was built, its size and time; or the host stopped a call
 )
 
 // A Host receives messages and progress of a call.
@@ -28,7 +28,8 @@ type Host struct {
 	Progress func(fraction float64)            // the part that is done, 0..1, every few milliseconds, one call at a time
 }
 
-// A call is what callbacks find by their handle. A panic of theirs ends the call, and goes on after it.
+// A call is what callbacks find by their handle. A panic of Progress or of a tile's callback ends the call; that, and one of
+// Log, goes on when the call has ended.
 type call struct {
 	ctx      context.Context
 	host     Host

@@ -16,13 +16,15 @@
 -- - a table `{data = cdata, stride = bytes}`: elements elsewhere than one after the other. If `data` is a pointer, what it
 --   points to is not checked.
 --
--- Errors are tables with `status` (a number of `mlrt.STATUS`) and `message`; printed, they are the message.
+-- Errors of the library are tables with `status` (a number of `mlrt.STATUS`) and `message`; printed, they are the message.
+-- Wrong types and lengths, and closed objects, are strings.
 --
 -- The library is the first of: $MLRT_LIBRARY, the one that LuaRocks compiled, what the system finds as libmlrt.so.0.
 -- @module mlrt
 
 local has_ffi, ffi = pcall(require, "ffi")
 if not has_ffi then error("mlrt: this is not LuaJIT, whose FFI is needed", 0) end
+local bit = require "bit"
 
 -- ---- the C interface: mlrt.h ---------------------------------------------------------------------------------------
 
@@ -770,7 +772,7 @@ function Tree:render(camera, options)
     local settings = trace_options(options, query, calls.host)
     if #lights > 0 then settings.lights, settings.light_count = list, #lights end
     for _, name in ipairs(options.tile_outputs or {}) do
-        settings.outputs = settings.outputs + choose(tile_outputs, name, "options.tile_outputs")
+        settings.outputs = bit.bor(settings.outputs, choose(tile_outputs, name, "options.tile_outputs"))
     end
     local status = call(C.mlrt_render_tiles, open(self), view, settings, frame, calls.tile, nil)
     keep(options, arrays, list)

@@ -168,4 +168,4 @@ if (C.version() === 100) {
     });
 }
 
-module.exports = { C, koffi, struct, types, tileCallback, BUILT, PREBUILT };
+module.exports = { C, koffi, struct, types, tileCallback };

@@ -41,13 +41,13 @@ class TooLargeError(Error, OverflowError):
 
 
 class CameraError(Error, ValueError):
-    """A camera of size zero, a crop outside of it, numbers that are not finite, no plane."""
+    """A camera of size zero, a crop outside of it, numbers that are not finite, dx and dy parallel."""
 
     status = 6
 
 
 class UnsupportedError(Error, NotImplementedError):
-    """The instruction set asked for is not in this machine or build."""
+    """An instruction set that this machine or build does not have, or a method of the other structure."""
 
     status = 7
 

@@ -317,7 +317,7 @@ class Tree:
         *,
         mask: int = 0,
     ) -> Hit:
-        """The closest hit of one ray, with t_min < t <= t_max, in numbers: the same bits as `trace`, in a third of the time.
+        """The closest hit of one ray, with t_min < t <= t_max, in numbers: the same bits as `trace`, in two thirds of the time.
 
         origin, direction: three numbers each, rounded to float32; t_max: None = no limit; skip: the mesh and the triangle that the
         ray passes; mask: as for `trace`. Holds the GIL. For more than a few rays, one call of `trace` is faster.

@@ -102,7 +102,7 @@ impl<'a, T: Element> Input<'a, T> {
     /// As an array of `len` elements of the C interface.
     pub(crate) fn array(&self, name: &str, len: usize) -> Result<ffi::mlrt_const_array> {
         if !self.is_all() && self.len != len {
-            return Err(Error::argument(format!("rays.{name}: {} elements, where {len} are needed", self.len)));
+            return Err(Error::argument(format!("{name}: {} elements, where {len} are needed", self.len)));
         }
         Ok(ffi::mlrt_const_array { data: self.data.cast(), stride: self.stride })
     }

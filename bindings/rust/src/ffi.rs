@@ -180,7 +180,7 @@ pub const MLRT_METHOD_PACKET4: i32 = 3;
 /// kd-tree: the same from entry points of beams (the paper, sections 3.3 to 4.2)
 pub const MLRT_METHOD_MULTILEVEL: i32 = 4;
 
-/// boxes: a tile of 16 packets of 16 rays goes down together, as a bundle. Squares of 16 tiles do so first, without rays, if they are of a pinhole camera, or of any-hit rays with one origin or direction. Packets too wide for a bundle go lane by lane; where only few rays meet a box, each goes alone
+/// boxes: a tile of 16 packets of 16 rays goes down together, as a bundle. Pictures of a pinhole camera, and any-hit rays with one origin or direction, begin with bundles of 16 tiles, which need no rays. Packets too wide for a bundle go lane by lane; where few rays meet a box, each goes alone
 pub const MLRT_METHOD_TILE: i32 = 5;
 
 /// the best that this machine has
@@ -599,7 +599,7 @@ pub struct mlrt_counters {
     pub struct_size: u32,
     /// must be 0
     pub reserved: u32,
-    /// rays traced. Method tile: of shadow rays of a picture's lights, those that are made; where one triangle is seen over many pixels, it decides their shadows without rays
+    /// rays traced. Of shadow rays of a picture's lights, method tile counts those that it makes: where one triangle covers many pixels, it decides their shadows without rays
     pub ray_count: u64,
     /// kd-tree: groups of rays traced together (packets, or less where directions differ), and rays that went alone. Method tile: packets that went lane by lane, and rays that went alone, counted each time
     pub packet_count: u64,
@@ -1305,10 +1305,10 @@ extern "C" {
     /// point that it shows. This is much faster than mlrt_occluded_points, as no points have to leave the library. If the
     /// ray o + t d of a pixel hits a triangle abc, bit k of `occluded` is 1 where light k does not reach the hit:
     ///
-    ///   - A light does not reach it if it is not strictly on that side of abc's plane from which the ray came (for a
-    ///     directional light: if its direction does not strictly point to that side). A light also counts as one on the
-    ///     other side if the ray below would leave the range of float: if d' (point light) or o' (directional light) would
-    ///     have a component beyond the greatest float.
+    ///   - A light does not reach it unless it is strictly on that side of abc's plane from which the ray came (a directional
+    ///     light: unless its direction points strictly to that side). A light also counts as one on the other side if the
+    ///     ray below would leave the range of float: if d' (point light) or o' (directional light) would have a component
+    ///     beyond the greatest float.
     ///   - Otherwise a ray decides: for a point light at L, from o' = L along d' for 0 < t <= 1; for a directional light,
     ///     from o' along d' = position for 0 < t. Its end L + d', or its origin o', is a point just off the hit, surely on
     ///     the side from which the picture's ray came. It is moved off by about 2^-22 of the greatest coordinate relative to

@@ -37,19 +37,20 @@ pub enum Level {
     Error,
     /// Something was left out.
     Warning,
-    /// A tree was built, its size and time; or a build was stopped.
+    /// A tree was built, its size and time; or the host stopped a call.
     Info,
 }
 
 /// Receives the part of a call that is done, 0 to 1, every few milliseconds; `Break` cancels the call.
 ///
-/// The threads of the pool call it, one at a time. It must not use the pool of the call.
+/// The threads of the pool call it, one at a time. It must not use the pool of the call, unless that pool has an executor.
 pub type Progress<'a> = dyn Fn(f64) -> ControlFlow<()> + Sync + 'a;
 
 /// Receives messages, on the thread of the call.
 pub type Log<'a> = dyn Fn(Level, &str) + Sync + 'a;
 
-/// What the program provides to a call. A panic in one of the functions cancels the call, and goes on after it.
+/// What the program provides to a call. A panic in `progress` cancels the call; that panic, and one in `log`, go on when the
+/// call has returned. A panic in [`Memory::allocate`] counts as no memory, one in [`Memory::free`] is dropped.
 #[derive(Clone, Default)]
 pub struct Host<'a> {
     /// Memory, for the call and for the tree that it makes; `None`: malloc.

@@ -137,12 +137,12 @@ impl<'a> Rays<'a> {
         Ok(ffi::mlrt_rays {
             row_length: self.row_length,
             count,
-            origins: self.origins.array("origins", count / shared)?,
-            directions: self.directions.array("directions", count)?,
-            t_min: optional(self.t_min, "t_min", count / shared)?,
-            t_max: optional(self.t_max, "t_max", count)?,
-            skip: optional(self.skip, "skip", count / shared)?,
-            mask: optional(self.mask, "mask", count)?,
+            origins: self.origins.array("rays.origins", count / shared)?,
+            directions: self.directions.array("rays.directions", count)?,
+            t_min: optional(self.t_min, "rays.t_min", count / shared)?,
+            t_max: optional(self.t_max, "rays.t_max", count)?,
+            skip: optional(self.skip, "rays.skip", count / shared)?,
+            mask: optional(self.mask, "rays.mask", count)?,
             rays_per_origin: self.rays_per_origin,
             ..Default::default()
         })
@@ -617,8 +617,8 @@ impl<'a> Points<'a> {
         Ok(ffi::mlrt_points {
             row_length: self.row_length,
             count,
-            positions: self.positions.array("positions", count)?,
-            skip: self.skip.map_or(Ok(Default::default()), |skip| skip.array("skip", count))?,
+            positions: self.positions.array("points.positions", count)?,
+            skip: self.skip.map_or(Ok(Default::default()), |skip| skip.array("points.skip", count))?,
             ..Default::default()
         })
     }

@@ -125,7 +125,7 @@ public final class KdtreeOptions {
     }
 
     /**
-     * Receives progress, and can end the call; null = nobody.
+     * Receives progress, and can end the call; null = none.
      *
      * @param value the new value
      * @return this
@@ -136,7 +136,7 @@ public final class KdtreeOptions {
     }
 
     /**
-     * Receives messages; null = nobody.
+     * Receives messages; null = none.
      *
      * @param value the new value
      * @return this

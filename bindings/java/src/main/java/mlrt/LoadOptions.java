@@ -45,7 +45,7 @@ public final class LoadOptions {
     }
 
     /**
-     * Receives messages; null = nobody.
+     * Receives messages; null = none.
      *
      * @param value the new value
      * @return this

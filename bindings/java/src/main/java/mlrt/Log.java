@@ -10,7 +10,7 @@ public interface Log {
         ERROR,
         /** Something was left out. */
         WARNING,
-        /** A tree was built, or a build was ended. */
+        /** A tree was built, or the host stopped a call. */
         INFO
     }
 

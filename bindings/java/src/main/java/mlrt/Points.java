@@ -4,7 +4,7 @@ package mlrt;
 /**
  * Points of which {@link Tree#occludedPoints} tells whether they are in shadow.
  *
- * @param positions three floats each, packed
+ * @param positions three floats each
  * @param skip pairs of ints: mesh and triangle that the point lies on, which does not shade it; null = none
  * @param rowLength points in a row of a picture; 0 = a plain list. A hint for speed only
  */

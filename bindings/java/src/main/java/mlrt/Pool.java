@@ -14,7 +14,6 @@ import java.util.Map;
 import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.Executor;
 import java.util.concurrent.FutureTask;
-import java.util.concurrent.RejectedExecutionException;
 import java.util.concurrent.atomic.AtomicLong;
 
 /** Threads that calls share their work with: its own, or those of an executor. */
@@ -46,12 +45,10 @@ public final class Pool extends Handle {
             tasks.put(number, task);
             try {
                 executor.execute(task);
-                return MemorySegment.ofAddress(number);
-            } catch (RejectedExecutionException full) {
-                tasks.remove(number);
-                task.run();
-                return MemorySegment.NULL;
+            } catch (Throwable refused) {
+                // finish runs it
             }
+            return MemorySegment.ofAddress(number);
         }
 
         /** Runs the task if no thread has begun with it, or else waits for its end. */

@@ -239,7 +239,7 @@ public final class TraceOptions {
     }
 
     /**
-     * Receives progress, and can end the call; null = nobody.
+     * Receives progress, and can end the call; null = none.
      *
      * @param value the new value
      * @return this
@@ -250,7 +250,7 @@ public final class TraceOptions {
     }
 
     /**
-     * Receives messages; null = nobody.
+     * Receives messages; null = none.
      *
      * @param value the new value
      * @return this

@@ -297,7 +297,7 @@ public final class Tree extends Handle {
      * @param camera the camera
      * @param options the query, the lights, how to trace, and the outputs that a tile has
      * @param frame where results go; null = nowhere
-     * @param tiles receives each tile; null = nobody
+     * @param tiles receives each tile; null = none
      */
     public void render(Camera camera, TraceOptions options, Hits frame, TileCallback tiles) {
         try (var call = new Call()) {

@@ -80,7 +80,7 @@ public final class TreeOptions {
     }
 
     /**
-     * Receives progress, and can end the call; null = nobody.
+     * Receives progress, and can end the call; null = none.
      *
      * @param value the new value
      * @return this
@@ -91,7 +91,7 @@ public final class TreeOptions {
     }
 
     /**
-     * Receives messages; null = nobody.
+     * Receives messages; null = none.
      *
      * @param value the new value
      * @return this
