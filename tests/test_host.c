@@ -865,6 +865,231 @@ static void pool_options_are_checked(void **state)
     assert_balanced(&books);
 }
 
+/* ---- calls that end early ---------------------------------------------------------------------------------------- */
+
+#define STACKED_COUNT 3000
+
+/* Triangles nearly in one plane: a ray has close calls, which look up for the host, and hits most of them. */
+static mlrt_mesh stacked_triangles(float (*corners)[9])
+{
+    for (int i = 0; i < STACKED_COUNT; ++i) {
+        const float s = 0.0001f + (float)i / (2 * STACKED_COUNT);
+        const float triangle[9] = {.5f - s, .5f - s, .5f, .5f + s, .5f - s, .5f + s, .5f, .5f + s, .5f};
+        memcpy(corners[i], triangle, sizeof triangle);
+    }
+    return (mlrt_mesh){.struct_size = sizeof(mlrt_mesh),
+                       .vertices = corners,
+                       .vertex_count = 3 * STACKED_COUNT,
+                       .triangle_count = STACKED_COUNT};
+}
+
+/* Waits, so that each call is one that the host hears of. */
+static int32_t wait_and_take_progress(void *user, double fraction)
+{
+    nanosleep(&(struct timespec){.tv_nsec = 1100000}, NULL);
+    return take_progress(user, fraction);
+}
+
+enum { EDGE = 64 };
+
+/* What a cancelled call has written is right. Returns whether the call was cancelled. */
+static int check_cancelled(const mlrt_tree *tree, const mlrt_rays *rays, int32_t query, uint32_t stop_at,
+                           const uint32_t *expected)
+{
+    static uint32_t found[EDGE * EDGE];
+    static uint8_t occluded[EDGE * EDGE];
+    struct books books;
+    open_books(&books);
+    books.stop_at = stop_at;
+    const mlrt_host host = {.struct_size = sizeof host, .user = &books, .progress = wait_and_take_progress};
+    const mlrt_trace_options options = {.struct_size = sizeof options, .query = query, .host = &host};
+    mlrt_hits hits = {.struct_size = sizeof hits};
+    memset(found, 0xEE, sizeof found);
+    memset(occluded, 0xEE, sizeof occluded);
+    if (query == MLRT_QUERY_ANY) {
+        hits.occluded.data = occluded;
+    } else {
+        hits.triangle.data = found;
+    }
+    const int32_t status = mlrt_trace_packet(tree, rays, &options, &hits);
+    for (uint32_t i = 0; i < EDGE * EDGE; ++i) {
+        if (query == MLRT_QUERY_ANY) {
+            assert_true(occluded[i] == 0xEE || occluded[i] == (expected[i] != MLRT_NONE));
+        } else {
+            assert_true(found[i] == 0xEEEEEEEE || found[i] == expected[i]);
+        }
+    }
+    assert_true(status == MLRT_OK || status == MLRT_ERROR_CANCELLED);
+    return status == MLRT_ERROR_CANCELLED;
+}
+
+/* A ray that was not decided when the host stopped the call is not written. */
+static void cancelled_calls_write_only_results(void **state)
+{
+    (void)state;
+    static float corners[STACKED_COUNT][9], origins[EDGE * EDGE][3], directions[EDGE * EDGE][3];
+    static uint32_t expected[EDGE * EDGE];
+    const mlrt_mesh mesh = stacked_triangles(corners);
+    for (uint32_t i = 0; i < EDGE * EDGE; ++i) {
+        const float x = .3f + .4f * (float)(i % EDGE) / EDGE, y = .3f + .4f * (float)(i / EDGE) / EDGE;
+        memcpy(origins[i], ((const float[3]){.5f, .5f, -3}), 12);
+        memcpy(directions[i], ((const float[3]){x - .5f, y - .5f, 3.5f}), 12);
+    }
+    const mlrt_rays rays = {.struct_size = sizeof rays,
+                            .row_length = EDGE,
+                            .count = EDGE * EDGE,
+                            .origins = {origins, 0},
+                            .directions = {directions, 0}};
+    const mlrt_hits all = {.struct_size = sizeof all, .triangle = {.data = expected}};
+    for (int boxes = 0; boxes < 2; ++boxes) {
+        mlrt_tree *tree = NULL;
+        uint32_t cancelled_count = 0;
+        assert_int_equal(boxes ? mlrt_build_tree(&mesh, 1, NULL, &tree) : mlrt_build_kdtree(&mesh, 1, NULL, &tree),
+                         MLRT_OK);
+        assert_int_equal(mlrt_trace_packet(tree, &rays, NULL, &all), MLRT_OK);
+        for (uint32_t stop_at = 1; stop_at < 12; ++stop_at) {
+            cancelled_count += (uint32_t)check_cancelled(tree, &rays, MLRT_QUERY_CLOSEST, stop_at, expected);
+            cancelled_count += (uint32_t)check_cancelled(tree, &rays, MLRT_QUERY_ANY, stop_at, expected);
+        }
+        assert_true(cancelled_count > 4);
+        mlrt_destroy_tree(tree);
+    }
+}
+
+/* Rays that take long are not waited for: the host is asked within their item, not only behind it. */
+static void items_that_take_long_look_up(void **state)
+{
+    (void)state;
+    static float corners[STACKED_COUNT][9];
+    static uint32_t totals[256];
+    const mlrt_mesh mesh = stacked_triangles(corners);
+    static float origins[256][3], directions[256][3];
+    for (int i = 0; i < 256; ++i) {
+        memcpy(origins[i], ((const float[3]){.5f + .001f * (float)(i % 16), .48f + .001f * (float)(i / 16), -3}), 12);
+        /* a component below 2^-60: such rays are traced one by one in double */
+        memcpy(directions[i], ((const float[3]){1e-25f * (float)(i % 13 + 1), 0, 1}), 12);
+    }
+    const mlrt_rays rays = {
+        .struct_size = sizeof rays, .count = 256, .origins = {.data = origins}, .directions = {.data = directions}};
+    const mlrt_hit_lists lists = {.struct_size = sizeof lists, .total = {.data = totals}};
+    const mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {.data = totals}};
+    mlrt_tree *tree = NULL;
+    struct books books;
+    open_books(&books);
+    const mlrt_host host = {.struct_size = sizeof host, .user = &books, .progress = wait_and_take_progress};
+    const mlrt_trace_options options = {.struct_size = sizeof options, .host = &host};
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
+    assert_int_equal(mlrt_trace_all_hits(tree, &rays, &options, &lists), MLRT_OK);
+    assert_in_range(totals[0], 1000, STACKED_COUNT);
+    assert_in_range(books.tell_count, 100, 1000); /* after each ray or two */
+    books.tell_count = 0;
+    assert_int_equal(mlrt_trace_packet(tree, &rays, &options, &hits), MLRT_OK);
+    assert_in_range(books.tell_count, 14, 1000); /* 16 packets */
+    mlrt_destroy_tree(tree);
+}
+
+/* ---- whose message is it? ------------------------------------------------------------------------------------------ */
+
+static void *run_with_message(void *argument)
+{
+    struct job *job = argument;
+    mlrt_pool *pool;
+    assert_int_equal(mlrt_create_pool(2000, &pool), MLRT_ERROR_ARGUMENT);
+    char before[256];
+    strcpy(before, mlrt_last_message());
+    job->function(job->argument);
+    assert_string_equal(mlrt_last_message(), before);
+    return NULL;
+}
+
+static void *run_on_a_thread(void *user, mlrt_task_function function, void *argument)
+{
+    struct job job = {.function = function, .argument = argument};
+    (void)user;
+    assert_int_equal(pthread_create(&job.thread, NULL, run_with_message, &job), 0);
+    pthread_join(job.thread, NULL);
+    return NULL;
+}
+
+static void finish_nothing(void *user, void *task)
+{
+    (void)user;
+    (void)task;
+}
+
+/* Frees a block, and fails a call. */
+static void free_and_fail(void *user, void *block, size_t size, size_t alignment)
+{
+    mlrt_pool *pool;
+    give_block(user, block, size, alignment);
+    assert_int_equal(mlrt_create_pool(3000, &pool), MLRT_ERROR_ARGUMENT);
+}
+
+/* The message of a thread is about its own call, whoever does the work, and whatever the host does meanwhile. */
+static void messages_stay_with_their_calls(void **state)
+{
+    (void)state;
+    enum { COUNT = 100000 };
+    static float corners[COUNT][9];
+    uint32_t *indices = allocate_or_fail(3 * COUNT, sizeof *indices);
+    for (uint32_t i = 0; i < 3 * COUNT; ++i) {
+        corners[i / 3][3 * (i % 3)] = (float)(i * 31 % 1000);
+        corners[i / 3][3 * (i % 3) + 1] = (float)(i * 17 % 997);
+        indices[i] = i % 30000 == 0 ? 99999999 : i;
+    }
+    const mlrt_mesh mesh = {.struct_size = sizeof mesh,
+                            .vertices = corners,
+                            .vertex_count = 3 * COUNT,
+                            .indices = indices,
+                            .triangle_count = COUNT};
+    const char *const reason = "meshes[0], triangle 0: vertex index 99999999 is out of range (vertex_count is 300000)";
+    const mlrt_pool_options with_threads = {
+        .struct_size = sizeof with_threads, .thread_count = 3, .enqueue = run_on_a_thread, .finish = finish_nothing};
+    mlrt_pool *pool;
+    mlrt_tree *tree;
+    assert_int_equal(mlrt_create_pool_with_options(&with_threads, &pool), MLRT_OK);
+    mlrt_tree_options options = {.struct_size = sizeof options, .pool = pool};
+    assert_int_equal(mlrt_build_tree(&mesh, 1, &options, &tree), MLRT_ERROR_INDEX_RANGE);
+    assert_string_equal(mlrt_last_message(), reason);
+    mlrt_destroy_pool(pool);
+
+    struct books books;
+    char message[256];
+    open_books(&books);
+    mlrt_host host = host_with(&books);
+    host.free = free_and_fail;
+    options = (mlrt_tree_options){
+        .struct_size = sizeof options, .host = &host, .message = message, .message_size = sizeof message};
+    assert_int_equal(mlrt_build_tree(&mesh, 1, &options, &tree), MLRT_ERROR_INDEX_RANGE);
+    assert_string_equal(message, reason);
+    assert_string_equal(books.last_line, reason);
+    assert_balanced(&books);
+    free(indices);
+}
+
+/* A call without a place for what it makes says so as any other error is said. */
+static void missing_results_are_told(void **state)
+{
+    (void)state;
+    char message[256] = "old";
+    struct books books;
+    open_books(&books);
+    const mlrt_host host = host_with(&books);
+    const mlrt_tree_options options = {
+        .struct_size = sizeof options, .host = &host, .message = message, .message_size = sizeof message};
+    const mlrt_load_options load = {
+        .struct_size = sizeof load, .host = &host, .message = message, .message_size = sizeof message};
+    mlrt_tree *tree;
+    assert_int_equal(mlrt_build_tree(NULL, 0, &options, NULL), MLRT_ERROR_ARGUMENT);
+    assert_string_equal(message, "tree: NULL is not allowed");
+    assert_string_equal(books.last_line, message);
+    assert_int_equal(mlrt_estimate_tree(NULL, 0, &options, NULL), MLRT_ERROR_ARGUMENT);
+    assert_string_equal(message, "estimate: NULL is not allowed");
+    assert_int_equal(mlrt_load_tree(NULL, 0, &load, &tree), MLRT_ERROR_ARGUMENT);
+    assert_string_equal(message, "data: NULL is not allowed");
+    assert_int_equal(books.line_count[MLRT_LOG_ERROR], 3);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -886,6 +1111,10 @@ int main(void)
         cmocka_unit_test(calls_within_jobs),
         cmocka_unit_test(progress_may_use_tasks),
         cmocka_unit_test(pool_options_are_checked),
+        cmocka_unit_test(cancelled_calls_write_only_results),
+        cmocka_unit_test(items_that_take_long_look_up),
+        cmocka_unit_test(messages_stay_with_their_calls),
+        cmocka_unit_test(missing_results_are_told),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -297,8 +297,9 @@ static void check_sizes(void)
     longer.rays.struct_size = sizeof longer;
     ((unsigned char *)&longer)[sizeof now.rays + 1] = 1;
 #define SIZE(field, type, last, call, path)                                                                            \
-    snprintf(text, sizeof text, path ".struct_size: 13 is not a multiple of 4 from %u to %u",                          \
-             (unsigned)(offsetof(type, last) + sizeof now.field.last), (unsigned)sizeof(type) + 256);                  \
+    snprintf(text, sizeof text, path ".struct_size: 13 is not a multiple of %u from %u to %u",                         \
+             (unsigned)__alignof__(type), (unsigned)(offsetof(type, last) + sizeof now.field.last),                    \
+             (unsigned)sizeof(type) + 256);                                                                            \
     CHECK(now.field.struct_size = 13, call, STRUCT_SIZE, text)
     SIZE(meshes[0], mlrt_mesh, mask, BUILD, "meshes[0]");
     SIZE(build, mlrt_tree_options, pool, BUILD, "options");

@@ -463,14 +463,15 @@ static MLRT_NOINLINE int32_t load(const void *data, size_t size, const mlrt_load
 
 MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_options *options, mlrt_tree **tree)
 {
-    if (tree) *tree = NULL;
-    if (!data || !tree) return mlrt_fail_null("data tree", !data);
     mlrt_load_options own;
     struct mlrt_voice voice = {.message = NULL};
+    if (tree) *tree = NULL;
     int32_t status = mlrt_copy_struct(MLRT_STRUCT_LOAD_OPTIONS, "options", 0, options, &own);
     if (status == MLRT_OK)
         status = mlrt_begin_call(MLRT_STRUCT_LOAD_OPTIONS, &own, own.message, own.message_size, own.host, &voice);
-    if (status == MLRT_OK) {
+    if (status == MLRT_OK && (!data || !tree)) {
+        status = mlrt_fail_null("data tree", !data);
+    } else if (status == MLRT_OK) {
         const char *wrong = NULL;
         MLRT_COMPUTE(status = load(data, size, &own, &voice.host, tree, &wrong));
         status = status == MLRT_ERROR_DATA ? mlrt_fail(status, "data: %s", wrong) : mlrt_note_status(status);

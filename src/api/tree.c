@@ -110,10 +110,10 @@ static MLRT_NOINLINE int32_t build_tree(const mlrt_mesh *meshes, size_t mesh_cou
 static int32_t build(const mlrt_mesh *meshes, size_t mesh_count, const void *options,
                      const struct mlrt_structure *structure, mlrt_tree **tree)
 {
-    if (!tree) return mlrt_fail_null("tree", 0);
-    *tree = NULL;
     struct call call;
+    if (tree) *tree = NULL;
     int32_t status = take_options(options, structure, &call);
+    if (status == MLRT_OK && !tree) status = mlrt_fail_null("tree", 0);
     if (status == MLRT_OK) MLRT_COMPUTE(status = build_tree(meshes, mesh_count, &call, tree));
     return mlrt_end_call(&call.voice, status);
 }
@@ -166,11 +166,11 @@ static MLRT_NOINLINE void foresee(const struct call *call, uint32_t triangle_cou
 static int32_t estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const void *options,
                                const struct mlrt_structure *structure, mlrt_memory_estimate *estimate)
 {
-    if (!estimate) return mlrt_fail_null("estimate", 0);
     mlrt_memory_estimate own;
     struct call call;
     uint32_t triangle_count;
     int32_t status = take_options(options, structure, &call);
+    if (status == MLRT_OK && !estimate) status = mlrt_fail_null("estimate", 0);
     if (status == MLRT_OK) status = mlrt_check_result_size(MLRT_STRUCT_MEMORY_ESTIMATE, "estimate", estimate);
     if (status == MLRT_OK) status = mlrt_check_meshes(meshes, mesh_count, &triangle_count);
     if (status != MLRT_OK) return mlrt_end_call(&call.voice, status);

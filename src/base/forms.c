@@ -79,12 +79,12 @@ const struct mlrt_rules mlrt_rules = {
 #define RULE_NUMBER(table) offsetof(struct mlrt_rules, table) / sizeof(struct mlrt_field)
 #define RULE_COUNT(table)  sizeof mlrt_rules.table / sizeof *mlrt_rules.table
 #define FORM_OF(type, last, table, status, has_rows)                                                                   \
-    BYTES_UP_TO(type, last), sizeof(type), RULE_NUMBER(table), RULE_COUNT(table), status, has_rows
+    BYTES_UP_TO(type, last), sizeof(type), __alignof__(type), RULE_NUMBER(table), RULE_COUNT(table), status, has_rows
 #define CHECKED_FORM(type, last, table) FORM_OF(type, last, table, MLRT_ERROR_ARGUMENT, 0)
-#define PLAIN_FORM(type, last)          BYTES_UP_TO(type, last), sizeof(type), 0, 0, 0, 0
+#define PLAIN_FORM(type, last)          BYTES_UP_TO(type, last), sizeof(type), __alignof__(type), 0, 0, 0, 0
 #define CAMERA_FORM(first)                                                                                             \
-    BYTES_UP_TO(mlrt_camera, t_max), sizeof(mlrt_camera), RULE_NUMBER(rays.view) + first, RULE_COUNT(rays.view) - 1,   \
-        MLRT_ERROR_CAMERA, 0
+    BYTES_UP_TO(mlrt_camera, t_max), sizeof(mlrt_camera), __alignof__(mlrt_camera), RULE_NUMBER(rays.view) + first,    \
+        RULE_COUNT(rays.view) - 1, MLRT_ERROR_CAMERA, 0
 
 const struct mlrt_form mlrt_forms[MLRT_FORM_COUNT] = {
     [MLRT_STRUCT_HOST] = {CHECKED_FORM(mlrt_host, progress, options.host)},
@@ -113,5 +113,6 @@ const struct mlrt_form mlrt_forms[MLRT_FORM_COUNT] = {
     [MLRT_FORM_PINHOLE] = {CAMERA_FORM(1)},
     [MLRT_FORM_VECTORS] = {FORM_OF(mlrt_array, row_stride, arguments.vectors, MLRT_ERROR_ARGUMENT, 1)},
     [MLRT_FORM_BYTES] = {CHECKED_FORM(mlrt_array, row_stride, arguments.bytes)},
-    [MLRT_FORM_FLOAT] = {sizeof(float), sizeof(float), RULE_NUMBER(arguments.number), 1, MLRT_ERROR_ARGUMENT, 0},
+    [MLRT_FORM_FLOAT] = {sizeof(float), sizeof(float), sizeof(float), RULE_NUMBER(arguments.number), 1,
+                         MLRT_ERROR_ARGUMENT, 0},
 };

@@ -33,6 +33,7 @@ struct mlrt_field {
 struct mlrt_form {
     uint16_t first_size; /* of the struct, in the first version */
     uint16_t own_size;   /* in this version */
+    uint8_t alignment;   /* every size of the struct is a multiple of it */
     uint8_t rule;        /* the first of its rules in mlrt_rules */
     uint8_t rule_count;
     uint8_t status;   /* of broken rules */

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/message.h"
 #include "base/platform.h"
 
 #if MLRT_HAVE_MADVISE
@@ -85,6 +86,15 @@ struct mlrt_memory mlrt_host_memory(const mlrt_host *host, uint64_t limit_size)
     return (struct mlrt_memory){0, 0, limit_size, host->user, host->allocate, host->free};
 }
 
+/* What the host's function calls may fail: the message of the thread remains that of the call for which it frees. */
+static MLRT_NOINLINE void free_by_host(const struct mlrt_memory *memory, void *block, size_t size)
+{
+    char kept[MLRT_MESSAGE_SIZE], *message = mlrt_message_of_thread();
+    memcpy(kept, message, sizeof kept);
+    memory->free(memory->user, block, size, ALIGNMENT);
+    memcpy(message, kept, sizeof kept);
+}
+
 /*
  * A block from the host, which is never asked for 0 bytes. A block that is not aligned is freed at once; then the
  * result is NULL.
@@ -94,7 +104,7 @@ static void *allocate_from_host(const struct mlrt_memory *memory, size_t block_s
     const size_t size = block_size ? block_size : 1;
     void *block = memory->allocate(memory->user, size, ALIGNMENT);
     if (block == NULL || (uintptr_t)block % ALIGNMENT == 0) return block;
-    memory->free(memory->user, block, size, ALIGNMENT);
+    free_by_host(memory, block, size);
     return NULL;
 }
 
@@ -127,7 +137,7 @@ void mlrt_free(struct mlrt_memory *memory, void *block, size_t count, size_t siz
     if (block == NULL) return;
     memory->held_size -= block_size;
     if (memory->free)
-        memory->free(memory->user, block, block_size ? block_size : 1, ALIGNMENT);
+        free_by_host(memory, block, block_size ? block_size : 1);
     else
         free(start_of(block));
 }

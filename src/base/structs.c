@@ -22,14 +22,16 @@ static size_t size_of(const void *given)
 
 static MLRT_NOINLINE int32_t fail_size(const struct mlrt_form *form, const char *path, size_t index, size_t size)
 {
-    return mlrt_fail_at(MLRT_ERROR_STRUCT_SIZE, path, index, "struct_size", "%lu is not a multiple of 4 from %u to %u",
-                        (unsigned long)size, (unsigned)form->first_size, (unsigned)(form->own_size + GROWTH_LIMIT));
+    return mlrt_fail_at(MLRT_ERROR_STRUCT_SIZE, path, index, "struct_size", "%lu is not a multiple of %u from %u to %u",
+                        (unsigned long)size, (unsigned)form->alignment, (unsigned)form->first_size,
+                        (unsigned)(form->own_size + GROWTH_LIMIT));
 }
 
 /* Returns the status of a size. */
 static int32_t check_size(const struct mlrt_form *form, const char *path, size_t index, size_t size)
 {
-    if (MLRT_LIKELY(size >= form->first_size && size <= (size_t)form->own_size + GROWTH_LIMIT && size % 4 == 0))
+    if (MLRT_LIKELY(size >= form->first_size && size <= (size_t)form->own_size + GROWTH_LIMIT &&
+                    size % form->alignment == 0))
         return MLRT_OK;
     return fail_size(form, path, index, size);
 }
@@ -89,13 +91,17 @@ void mlrt_give_struct(const void *own, size_t own_size, void *given)
     memset((unsigned char *)given + known, 0, size - known);
 }
 
-/* Behind its head mlrt_counters consists of uint64_t only; a caller compiled with an older version has fewer of them. */
+/*
+ * Behind its head mlrt_counters consists of uint64_t only. A caller compiled with an older version has fewer of them;
+ * those of a newer one that this version does not know become 0.
+ */
 void mlrt_add_counters(mlrt_counters *to, const mlrt_counters *from)
 {
     const size_t first = offsetof(mlrt_counters, ray_count), size = size_of(to);
     const uint64_t *more = (const uint64_t *)(const void *)((const unsigned char *)from + first);
     uint64_t *sum = (uint64_t *)(void *)((unsigned char *)to + first);
     for (size_t i = 0; i < ((size < sizeof *from ? size : sizeof *from) - first) / sizeof *sum; ++i) sum[i] += more[i];
+    if (size > sizeof *from) memset((unsigned char *)to + sizeof *from, 0, size - sizeof *from);
 }
 
 /* ---- rules ---- */

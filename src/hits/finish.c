@@ -4,12 +4,14 @@
  */
 #include "hits/finish.h"
 
+#include "job/stop.h"
 #include "job/structure.h"
 #include "job/write_arrays.h"
 
 void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
-                            mlrt_counters *counters)
+                            struct mlrt_worker *worker, mlrt_counters *counters)
 {
+    if (mlrt_is_stopped(worker, 0)) return;
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
         struct mlrt_ray_segment ray;

@@ -9,9 +9,12 @@
 #include "job/job.h"
 #include "rays/rectangle.h"
 
-/* Traces lanes of a packet one by one in double, and stores the triangles that they hit. `counters` may be NULL. */
+/*
+ * Traces lanes of a packet one by one in double, and stores the triangles that they hit; none if the call is to end.
+ * `counters` may be NULL.
+ */
 void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
-                            mlrt_counters *counters);
+                            struct mlrt_worker *worker, mlrt_counters *counters);
 
 /* Writes misses to a rectangle of a picture. */
 void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *worker,

@@ -15,5 +15,6 @@ int mlrt_is_stopped(struct mlrt_worker *worker, double pixels)
     const int stopped = mlrt_advance(worker->watch.progress, pixels);
     mlrt_enter_fp_environment(&worker->watch.environment);
     worker->watch.stopped = stopped;
+    if (stopped) worker->sinks.count = 0; /* what it finds from now on may be wrong */
     return stopped;
 }

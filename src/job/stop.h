@@ -9,7 +9,7 @@
 
 /*
  * Adds pixels that are done, and calls the host if it was not called for a millisecond (base/progress.h). Returns 1 if
- * the call is to end: from then on the worker's results are not used, and it may return with any. To be called in the
+ * the call is to end: from then on the worker's results are not written, and may be wrong. To be called in the
  * floating-point environment of the library.
  */
 int mlrt_is_stopped(struct mlrt_worker *worker, double pixels);

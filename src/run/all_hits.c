@@ -14,6 +14,9 @@
 
 #define ITEM_RAYS 256
 
+/* After so many hits the host is asked in the middle of an item, too: they take a millisecond. */
+#define MANY_HITS 1000
+
 struct worker {
     struct mlrt_hit_list list;
     mlrt_counters counters;
@@ -28,7 +31,7 @@ struct run {
     uint32_t capacity; /* places of a ray in the arrays; 0 without arrays, and then no hits are put in order */
     int counting;
     struct worker *workers;
-    struct mlrt_progress progress; /* by items */
+    struct mlrt_progress progress; /* by rays */
 };
 
 static void set_arrays(const mlrt_hit_lists *lists, struct run *run)
@@ -95,21 +98,25 @@ static int trace_ray(const struct run *run, struct worker *worker, uint32_t i)
     return 1;
 }
 
-static MLRT_NOINLINE int trace_rays(const struct run *run, struct worker *worker, uint32_t begin, uint32_t end)
+/* Traces rays of an item until the host has to be asked. Returns how many; 0 if there was no memory. */
+static MLRT_NOINLINE uint32_t trace_rays(const struct run *run, struct worker *worker, uint32_t first, uint32_t count)
 {
-    for (uint32_t i = begin; i < end; ++i)
-        if (!trace_ray(run, worker, i)) return 0;
-    return 1;
+    uint32_t traced = 0;
+    for (size_t hit_count = 0; traced < count && hit_count < MANY_HITS; hit_count += worker->list.count)
+        if (!trace_ray(run, worker, first + traced++)) return 0;
+    return traced;
 }
 
 static int32_t run_item(void *work, uint32_t item, uint32_t number)
 {
     struct run *run = work;
     const uint32_t begin = item * ITEM_RAYS, count = mlrt_item_size(run->source->count, ITEM_RAYS, item);
-    int done;
-    MLRT_COMPUTE(done = trace_rays(run, &run->workers[number], begin, begin + count));
-    if (!done) return MLRT_ERROR_OUT_OF_MEMORY;
-    return mlrt_advance(&run->progress, 1) ? MLRT_ERROR_CANCELLED : MLRT_OK;
+    for (uint32_t i = 0, traced; i < count; i += traced) {
+        MLRT_COMPUTE(traced = trace_rays(run, &run->workers[number], begin + i, count - i));
+        if (!traced) return MLRT_ERROR_OUT_OF_MEMORY;
+        if (mlrt_advance(&run->progress, traced)) return MLRT_ERROR_CANCELLED;
+    }
+    return MLRT_OK;
 }
 
 int32_t mlrt_run_all_hits(const struct mlrt_tree *tree, const struct mlrt_source *source, const mlrt_hit_lists *lists,
@@ -123,7 +130,7 @@ int32_t mlrt_run_all_hits(const struct mlrt_tree *tree, const struct mlrt_source
     run.workers = mlrt_allocate_zeroed(&memory, worker_count, sizeof *run.workers);
     if (!run.workers) return MLRT_ERROR_OUT_OF_MEMORY;
     for (uint32_t w = 0; w < worker_count; ++w) run.workers[w].list.memory = memory;
-    mlrt_begin_progress(&options->voice.host, item_count, &run.progress);
+    mlrt_begin_progress(&options->voice.host, (double)source->count, &run.progress);
     const int32_t status = mlrt_run_items(options->pool, item_count, run_item, &run);
     for (uint32_t w = 0; w < worker_count; ++w) {
         if (options->counters) mlrt_add_counters(options->counters, &run.workers[w].counters);

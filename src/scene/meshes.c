@@ -59,7 +59,8 @@ int32_t mlrt_check_meshes(const mlrt_mesh *meshes, size_t mesh_count, uint32_t *
     for (size_t i = 0; i < mesh_count; ++i) {
         const int32_t status = check_mesh(meshes, i);
         if (status != MLRT_OK) return status;
-        sum += mlrt_mesh_at(meshes, i).triangle_count;
+        const uint64_t count = mlrt_mesh_at(meshes, i).triangle_count;
+        sum = count <= UINT64_MAX - sum ? sum + count : UINT64_MAX;
         if (sum > MLRT_TRIANGLE_LIMIT) {
             return mlrt_fail(MLRT_ERROR_TOO_LARGE, PATH ".triangle_count: %s triangles up to here are more than %lu",
                              (unsigned long)i, mlrt_write_digits(sum, digits), (unsigned long)MLRT_TRIANGLE_LIMIT);
@@ -78,18 +79,24 @@ static uint64_t vertex_index(const mlrt_mesh *mesh, size_t triangle, int corner)
     return ((const uint32_t *)(const void *)triple)[corner];
 }
 
-int32_t mlrt_copy_triangle(const mlrt_mesh *mesh, size_t i, size_t triangle, struct mlrt_triangle *copy)
+/* Copies a triangle. Returns 0 if an index is out of range: then it is *wrong. */
+static int copy_triangle(const mlrt_mesh *mesh, size_t triangle, struct mlrt_triangle *copy, uint64_t *wrong)
 {
     for (int corner = 0; corner < 3; ++corner) {
-        const uint64_t index = vertex_index(mesh, triangle, corner);
-        if (index >= mesh->vertex_count) {
-            return mlrt_fail(
-                MLRT_ERROR_INDEX_RANGE, PATH ", triangle %lu: vertex index %lu is out of range (vertex_count is %lu)",
-                (unsigned long)i, (unsigned long)triangle, (unsigned long)index, (unsigned long)mesh->vertex_count);
-        }
+        const uint64_t index = *wrong = vertex_index(mesh, triangle, corner);
+        if (index >= mesh->vertex_count) return 0;
         memcpy(copy->v[corner], (const unsigned char *)mesh->vertices + (size_t)index * mesh->vertex_stride, 12);
     }
-    return MLRT_OK;
+    return 1;
+}
+
+int32_t mlrt_copy_triangle(const mlrt_mesh *mesh, size_t i, size_t triangle, struct mlrt_triangle *copy)
+{
+    uint64_t index;
+    if (copy_triangle(mesh, triangle, copy, &index)) return MLRT_OK;
+    return mlrt_fail(MLRT_ERROR_INDEX_RANGE,
+                     PATH ", triangle %lu: vertex index %lu is out of range (vertex_count is %lu)", (unsigned long)i,
+                     (unsigned long)triangle, (unsigned long)index, (unsigned long)mesh->vertex_count);
 }
 
 /* ---- ids ---- */
@@ -149,6 +156,7 @@ struct copying {
     const mlrt_mesh *meshes;
     struct mlrt_progress *progress;
     struct mlrt_tree *tree;
+    int is_told; /* errors get a message: chunks are copied by the thread of the call */
 };
 
 static int32_t copy_chunk(void *work, uint32_t item, uint32_t worker)
@@ -162,20 +170,24 @@ static int32_t copy_chunk(void *work, uint32_t item, uint32_t worker)
         const mlrt_mesh mesh = mlrt_mesh_at(copying->meshes, position);
         for (; number < end && number < tree->meshes.first[position + 1]; ++number) {
             const size_t triangle = number - tree->meshes.first[position];
-            const int32_t status = mlrt_copy_triangle(&mesh, position, triangle, &tree->triangles[number]);
-            if (status != MLRT_OK) return status;
+            uint64_t wrong;
+            if (!copy_triangle(&mesh, triangle, &tree->triangles[number], &wrong))
+                return copying->is_told ? mlrt_copy_triangle(&mesh, position, triangle, &tree->triangles[number])
+                                        : MLRT_ERROR_INDEX_RANGE;
         }
     }
     return mlrt_advance(copying->progress, count * MLRT_COPY_WORK) ? MLRT_ERROR_CANCELLED : MLRT_OK;
 }
 
 /*
- * After an error of a worker, the chunks are copied once more in order: the message is the caller's then, and the same.
+ * After an error of a worker, the chunks are copied once more in order, by the thread of the call: the message is its
+ * own then, and always the same one.
  */
 static int32_t copy_triangles(struct copying *copying, mlrt_pool *pool)
 {
     const uint32_t chunk_count = mlrt_item_count(copying->tree->triangle_count, CHUNK_SIZE);
     const int32_t status = mlrt_run_items(pool, chunk_count, copy_chunk, copying);
+    copying->is_told = 1;
     return status == MLRT_ERROR_INDEX_RANGE ? mlrt_run_items(NULL, chunk_count, copy_chunk, copying) : status;
 }
 
@@ -212,7 +224,7 @@ static int allocate_tables(struct mlrt_tree *tree)
 int32_t mlrt_copy_meshes(const mlrt_mesh *meshes, size_t mesh_count, mlrt_pool *pool, struct mlrt_progress *progress,
                          struct mlrt_tree *tree)
 {
-    struct copying copying = {meshes, progress, tree};
+    struct copying copying = {meshes, progress, tree, 0};
     tree->meshes.count = (uint32_t)mesh_count;
     if (!allocate_tables(tree)) return MLRT_ERROR_OUT_OF_MEMORY;
     int32_t status = set_mesh_ids(meshes, tree);

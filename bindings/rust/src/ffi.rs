@@ -312,7 +312,7 @@ pub type mlrt_tile_callback = unsafe extern "C" fn(user: *mut c_void, tile: *con
 /// calls `allocate`, `free` and `log` from the thread of the call only, with two exceptions: mlrt_build_kdtree calls
 /// `allocate` and `free` from the threads of its pool too, one at a time, and mlrt_trace_all_hits several at a time. It
 /// calls `progress` from any of these threads, but from one at a time. None of the functions may jump out of the
-/// library. None may use the pool of the call that it is called from, unless that pool has tasks
+/// library. None may use the pool of the call that it is called from; `log` and `progress` may if that pool has tasks
 /// (mlrt_pool_options.enqueue).
 /// ```
 #[repr(C)]

@@ -18,7 +18,8 @@ use crate::ffi;
 ///
 /// `allocate` returns NULL, or a block that fits the layout and is not used for anything else until it is freed.
 pub unsafe trait Memory: Send + Sync {
-    /// A block of this layout, whose size is not 0; NULL if there is none. Several threads may call it at once.
+    /// A block of this layout, whose size is not 0; NULL if there is none. Several threads may call it at once. It must not
+    /// use the pool of the call.
     fn allocate(&self, layout: Layout) -> *mut u8;
 
     /// Frees a block.
