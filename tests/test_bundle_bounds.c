@@ -376,6 +376,7 @@ static void begin_bundle_of(const float *point, const float *const *origins, con
     bundle.state.going = bundle.state.closed = 1;
     bundle.state.has_lanes = bundle.state.covered = bundle.state.apexes = 0;
     bundle.scene.unit = 1;
+    bundle.scene.reach = MLRT_SAFE_MAX;
     bundle.scene.first = -INFINITY;
     bundle.scene.last = INFINITY;
     bundle.waist = (struct mlrt_waist){.sign = directions[0][0] < 0 ? -1.0f : 1.0f};

@@ -867,7 +867,7 @@ static void pool_options_are_checked(void **state)
 
 /* ---- calls that end early ---------------------------------------------------------------------------------------- */
 
-#define STACKED_COUNT 3000
+#define STACKED_COUNT 2000
 
 /* Triangles nearly in one plane: a ray has close calls, which look up for the host, and hits most of them. */
 static mlrt_mesh stacked_triangles(float (*corners)[9])
@@ -947,11 +947,11 @@ static void cancelled_calls_write_only_results(void **state)
         assert_int_equal(boxes ? mlrt_build_tree(&mesh, 1, NULL, &tree) : mlrt_build_kdtree(&mesh, 1, NULL, &tree),
                          MLRT_OK);
         assert_int_equal(mlrt_trace_packet(tree, &rays, NULL, &all), MLRT_OK);
-        for (uint32_t stop_at = 1; stop_at < 12; ++stop_at) {
+        for (uint32_t stop_at = 1; stop_at < 5; ++stop_at) {
             cancelled_count += (uint32_t)check_cancelled(tree, &rays, MLRT_QUERY_CLOSEST, stop_at, expected);
             cancelled_count += (uint32_t)check_cancelled(tree, &rays, MLRT_QUERY_ANY, stop_at, expected);
         }
-        assert_true(cancelled_count > 4);
+        assert_true(cancelled_count > 2);
         mlrt_destroy_tree(tree);
     }
 }
@@ -980,11 +980,11 @@ static void items_that_take_long_look_up(void **state)
     const mlrt_trace_options options = {.struct_size = sizeof options, .host = &host};
     assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
     assert_int_equal(mlrt_trace_all_hits(tree, &rays, &options, &lists), MLRT_OK);
-    assert_in_range(totals[0], 1000, STACKED_COUNT);
-    assert_in_range(books.tell_count, 100, 1000); /* after each ray or two */
+    assert_in_range(totals[0], STACKED_COUNT / 4, STACKED_COUNT);
+    assert_in_range(books.tell_count, 60, 1000); /* after a few rays */
     books.tell_count = 0;
     assert_int_equal(mlrt_trace_packet(tree, &rays, &options, &hits), MLRT_OK);
-    assert_in_range(books.tell_count, 14, 1000); /* 16 packets */
+    assert_in_range(books.tell_count, 9, 1000); /* of 16 packets */
     mlrt_destroy_tree(tree);
 }
 

@@ -303,6 +303,82 @@ static void test_scales_have_one_tree(void **state)
     free_soup(&scene);
 }
 
+/* Rays toward vertices of a scene in [-1, 1]^3: from one point or, if `spread`, from others near it. */
+static void add_far_rays(struct ray_list *list, struct random *random, const struct soup *scene, const float from[3],
+                         float spread, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        const float *target = scene->corners + 9 * (size_t)draw_below(random, (uint32_t)scene->count);
+        float origin[3];
+        for (int k = 0; k < 3; ++k) origin[k] = from[k] + spread * draw_range(random, -1, 1);
+        add_ray_towards(list, origin, target);
+    }
+}
+
+/* Counts of each way to have rays from `from`, where all of them go toward the scene. */
+static mlrt_counters count_from(const struct fixture *fixture, const struct soup *scene, const float from[3], int way)
+{
+    static const float centre[3] = {0, 0, 0};
+    struct random random = {77};
+    struct ray_list list = {0};
+    const float distance = sqrtf(from[0] * from[0] + from[1] * from[1] + from[2] * from[2]);
+    const mlrt_camera camera = look_at(from, centre, 1.5f / distance, 16, 16);
+    mlrt_counters counters = {.struct_size = sizeof counters};
+    if (way == 3) return count_camera(fixture, &camera);
+    if (way == 4) {
+        float points[256][3];
+        uint8_t occluded[256];
+        for (int i = 0; i < 256; ++i)
+            memcpy(points[i], scene->corners + 9 * (size_t)draw_below(&random, (uint32_t)scene->count), 12);
+        const mlrt_trace_options options = {.struct_size = sizeof options, .counters = &counters};
+        const mlrt_points list_of = {.struct_size = sizeof list_of, .count = 256, .positions = {points, 0}};
+        mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT};
+        memcpy(light.position, from, sizeof light.position);
+        assert_int_equal(mlrt_occluded_points(fixture->tree, &list_of, &light, &options, &(mlrt_array){occluded, 0, 0}),
+                         MLRT_OK);
+        return counters;
+    }
+    add_far_rays(&list, &random, scene, from, way == 1 ? 0.25f * distance : 0, 256);
+    counters = count_rays(fixture, &list, way == 2 ? MLRT_QUERY_ANY : MLRT_QUERY_CLOSEST);
+    free_rays(&list);
+    return counters;
+}
+
+/*
+ * Rays from so far away that floats no longer tell the boxes of a scene apart (MLRT_REACH_OF_EXTENT, bvh/unit.h) are
+ * not tested against all of it, and their answers are right.
+ */
+static void test_far_origins(void **state)
+{
+    (void)state;
+    static const float distances[] = {0x1p12f, 0x1p16f, 0x1p20f, 0x1p40f};
+    struct random random = {991};
+    struct soup scene = draw_scene(&random, 800), copy = {0};
+    for (size_t i = 0; i < scene.count; ++i) {
+        const float *c = scene.corners + 9 * i;
+        soup_add_triangle(&copy, c, c + 3, c + 6);
+    }
+    struct fixture fixture = fixture_of_soup("far away", 991, &copy);
+    for (size_t i = 0; i < sizeof distances / sizeof distances[0]; ++i) {
+        const float from[3] = {0.48f * distances[i], -0.8f * distances[i], 0.36f * distances[i]};
+        for (int way = 0; way < 5; ++way) {
+            const mlrt_counters counters = count_from(&fixture, &scene, from, way);
+            if (counters.judged_lane_count > 256 * 8) {
+                fail_msg("distance %g, way %d: %.0f close calls of a ray", (double)distances[i], way,
+                         (double)counters.judged_lane_count / 256);
+            }
+        }
+        struct ray_list list = {0};
+        add_far_rays(&list, &random, &scene, from, 0, 32);
+        add_far_rays(&list, &random, &scene, from, 0.25f * distances[i], 32);
+        add_random_rays(&list, &random, 16, -1, 1);
+        check_rays_quickly(&fixture, &list);
+        free_rays(&list);
+    }
+    free_fixture(&fixture);
+    free_soup(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -310,6 +386,7 @@ int main(void)
         cmocka_unit_test(test_odd_triangles),
         cmocka_unit_test(test_odd_triangles_stay_local),
         cmocka_unit_test(test_scales_have_one_tree),
+        cmocka_unit_test(test_far_origins),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -91,17 +91,13 @@ void mlrt_give_struct(const void *own, size_t own_size, void *given)
     memset((unsigned char *)given + known, 0, size - known);
 }
 
-/*
- * Behind its head mlrt_counters consists of uint64_t only. A caller compiled with an older version has fewer of them;
- * those of a newer one that this version does not know become 0.
- */
+/* Behind its head mlrt_counters consists of uint64_t only; a caller compiled with an older version has fewer of them. */
 void mlrt_add_counters(mlrt_counters *to, const mlrt_counters *from)
 {
     const size_t first = offsetof(mlrt_counters, ray_count), size = size_of(to);
     const uint64_t *more = (const uint64_t *)(const void *)((const unsigned char *)from + first);
     uint64_t *sum = (uint64_t *)(void *)((unsigned char *)to + first);
     for (size_t i = 0; i < ((size < sizeof *from ? size : sizeof *from) - first) / sizeof *sum; ++i) sum[i] += more[i];
-    if (size > sizeof *from) memset((unsigned char *)to + sizeof *from, 0, size - sizeof *from);
 }
 
 /* ---- rules ---- */

@@ -81,20 +81,15 @@ int mlrt_is_odd(const struct mlrt_tree *tree, uint32_t number)
 
 void mlrt_set_bvh_unit(struct mlrt_tree *tree)
 {
-    tree->bvh.typical_exponent = typical_exponent(tree);
-    tree->bvh.unit = (float)ldexp(1, unit_exponent(tree->bvh.typical_exponent));
+    tree->bvh.unit = (float)ldexp(1, unit_exponent(typical_exponent(tree)));
 }
 
-void mlrt_set_bvh_extent(struct mlrt_tree *tree)
+/* Sets the core of a hierarchy whose `whole` is set. */
+static void find_core(struct mlrt_tree *tree)
 {
     struct mlrt_bvh *bvh = &tree->bvh;
-    const double limit = ldexp(1, bvh->typical_exponent + CORE_EXPONENT);
+    const double limit = ldexp(1, typical_exponent(tree) + CORE_EXPONENT);
     struct mlrt_box core = MLRT_NO_BOX;
-    for (int k = 0; k < 3; ++k) {
-        bvh->whole.lo[k] = mlrt_low_in_units(tree->bounds.lo[k], bvh->unit);
-        bvh->whole.hi[k] = mlrt_high_in_units(tree->bounds.hi[k], bvh->unit);
-    }
-    bvh->is_usual = bvh->unit == 1 && mlrt_is_within(bvh->whole.lo, bvh->whole.hi, MLRT_SAFE_MAX);
     bvh->core = bvh->whole;
     if (mlrt_is_within(bvh->whole.lo, bvh->whole.hi, (float)(limit * bvh->unit))) return;
     for (uint32_t i = 0; i < tree->triangle_count; i += sample_step(tree)) {
@@ -110,4 +105,30 @@ void mlrt_set_bvh_extent(struct mlrt_tree *tree)
         if (core.lo[k] > bvh->core.lo[k]) bvh->core.lo[k] = core.lo[k];
         if (core.hi[k] < bvh->core.hi[k]) bvh->core.hi[k] = core.hi[k];
     }
+}
+
+/* The reach of a hierarchy whose core is set: see unit.h. */
+static float find_reach(const struct mlrt_tree *tree)
+{
+    const struct mlrt_box *core = &tree->bvh.core;
+    float extent = 0, farthest = 0;
+    if (tree->triangle_count < MLRT_FEW_TRIANGLES) return MLRT_SAFE_MAX;
+    for (int k = 0; k < 3; ++k) {
+        extent = fmaxf(core->hi[k] - core->lo[k], extent);
+        farthest = fmaxf(fmaxf(-core->lo[k], core->hi[k]), farthest);
+    }
+    const float reach = farthest + MLRT_REACH_OF_EXTENT * extent;
+    return reach < MLRT_SAFE_MAX ? reach : MLRT_SAFE_MAX;
+}
+
+void mlrt_set_bvh_extent(struct mlrt_tree *tree)
+{
+    struct mlrt_bvh *bvh = &tree->bvh;
+    for (int k = 0; k < 3; ++k) {
+        bvh->whole.lo[k] = mlrt_low_in_units(tree->bounds.lo[k], bvh->unit);
+        bvh->whole.hi[k] = mlrt_high_in_units(tree->bounds.hi[k], bvh->unit);
+    }
+    bvh->is_usual = bvh->unit == 1 && mlrt_is_within(bvh->whole.lo, bvh->whole.hi, MLRT_SAFE_MAX);
+    find_core(tree);
+    bvh->reach = find_reach(tree);
 }

@@ -23,10 +23,19 @@
 
 #define MLRT_BVH_FAR 0x1p62f
 
-/* Sets the unit of tree->bvh, and its typical exponent, from the triangles. */
+/*
+ * Float tells boxes and triangles apart by 2^-20 of their distance from the origin of a ray. So rays from more than 2^13
+ * times the extent of the scene (its core) away would meet much that they pass, and from 2^20 times everything. They go
+ * one by one in double, unless triangles are so few that this would take longer. `reach` is the greatest magnitude that
+ * a coordinate of an origin may have for float, and at most MLRT_SAFE_MAX. No answer depends on it.
+ */
+#define MLRT_REACH_OF_EXTENT 0x1p13f
+#define MLRT_FEW_TRIANGLES   256
+
+/* Sets the unit of tree->bvh from the triangles. */
 void mlrt_set_bvh_unit(struct mlrt_tree *tree);
 
-/* Sets `whole` and `core` of tree->bvh from these, the triangles, and tree->bounds. */
+/* Sets `whole`, `core` and `reach` of tree->bvh from these, the triangles, and tree->bounds. */
 void mlrt_set_bvh_extent(struct mlrt_tree *tree);
 
 /* The low bound of a box for a coordinate in units, rounded down. */
@@ -41,6 +50,13 @@ static inline float mlrt_finite_bound(float bound)
 {
     const float limit = 2 * MLRT_BVH_FAR;
     return bound < -limit ? -limit : bound > limit ? limit : bound;
+}
+
+/* Is an origin within the reach of boxes? */
+static inline int mlrt_is_within_reach(const struct mlrt_bvh *bvh, const float origin[3])
+{
+    const float reach = bvh->reach, unit = bvh->unit;
+    return fabsf(origin[0] * unit) <= reach && fabsf(origin[1] * unit) <= reach && fabsf(origin[2] * unit) <= reach;
 }
 
 static inline float mlrt_low_in_units(float x, float unit)

@@ -100,4 +100,19 @@ MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
     check_vectors(lanes & is_interval, packet);
 }
 
+/* The lanes whose origins have no coordinate beyond `reach`. */
+MLRT_INLINE uint32_t lanes_within_reach(float reach, const struct mlrt_packet *packet)
+{
+    uint32_t within = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        vf greatest = v_set1(0);
+        for (int k = 0; k < 3; ++k) {
+            const vf origin = packet->has.apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
+            greatest = v_max(v_abs(origin), greatest);
+        }
+        within |= m_bits(v_le(greatest, v_set1(reach))) << v;
+    }
+    return within;
+}
+
 #endif

@@ -15,7 +15,7 @@
 /* What is known of a ray before it is traced. */
 enum mlrt_lone_ray_kind {
     MLRT_LONE_RAY_MISSES,      /* it can hit nothing (rule R1, exact/segment.h), or passes the box of the scene */
-    MLRT_LONE_RAY_NOT_CARRIED, /* float does not carry its numbers */
+    MLRT_LONE_RAY_NOT_CARRIED, /* float does not carry its numbers, or its origin is beyond reach (bvh/unit.h) */
     MLRT_LONE_RAY_MAY_HIT
 };
 
@@ -30,14 +30,14 @@ enum mlrt_lone_ray_kind {
  * has a NaN, which f4_min and f4_max pass on in the order of operands below, and which t_min and t_max then replace.
  * Planes are at most 2^62 or infinite, so a box begins at t < 2^123 or never: rays end at 2^126 at the latest.
  */
-MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const struct mlrt_box *box, const float given_origin[3],
-                                                       const float given_direction[3], float given_t_min, float t_max,
-                                                       struct mlrt_lone_ray *ray)
+MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const struct mlrt_box *box, float reach,
+                                                       const float given_origin[3], const float given_direction[3],
+                                                       float given_t_min, float t_max, struct mlrt_lone_ray *ray)
 {
     const f4 origin = f4_three(given_origin);
     f4 direction = f4_three(given_direction);
-    if (!f4_are_within(origin, direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) {
-        if ((f4_zeros_or_within(origin, MLRT_SAFE_MIN, MLRT_SAFE_MAX) &
+    if (!f4_are_within(origin, direction, MLRT_SAFE_MIN, reach)) {
+        if ((f4_zeros_or_within(origin, MLRT_SAFE_MIN, reach) &
              f4_zeros_or_within(direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) != 15) {
             return MLRT_LONE_RAY_NOT_CARRIED;
         }

@@ -26,7 +26,8 @@ void mlrt_trace_by_ray(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, m
 static MLRT_NOINLINE enum mlrt_lone_ray_kind take_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray)
 {
     if (MLRT_UNLIKELY(tree->bvh.unit != 1)) return MLRT_LONE_RAY_MAY_HIT;
-    return mlrt_take_lone_ray(&tree->bvh.whole, ray->given_origin, ray->given_direction, ray->t_min, ray->t_max, ray);
+    return mlrt_take_lone_ray(&tree->bvh.whole, tree->bvh.reach, ray->given_origin, ray->given_direction, ray->t_min,
+                              ray->t_max, ray);
 }
 
 /* Traces a ray that was taken. */

@@ -165,6 +165,13 @@ static enum array_kind add_array_cell(struct mlrt_array_cells *cells, const stru
     return kind == HAS_HULL ? set_array_cell(cells, &of, place, bundle) : kind;
 }
 
+/* Is the point from which all rays start within reach (bvh/unit.h)? */
+MLRT_INLINE int is_waist_within_reach(const struct mlrt_bundle *bundle)
+{
+    const float *w = bundle->waist.point, reach = bundle->scene.reach;
+    return fabsf(w[0]) <= reach && fabsf(w[1]) <= reach && fabsf(w[2]) <= reach;
+}
+
 /* Makes a bundle of the tiles of any-hit rays in `area`, which refers to *cells. Returns 0 if there is none. */
 static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area,
                               struct mlrt_array_cells *cells, struct mlrt_bundle *bundle)
@@ -182,6 +189,7 @@ static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rect
         source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT || (!is_light && !cells->reader.directions.step);
     if (!is_light && cells->reader.directions.step && cells->reader.points.step) return 0;
     bundle->scene.unit = cells->unit = job->tree->bvh.unit;
+    bundle->scene.reach = job->tree->bvh.reach;
     mlrt_begin_cells(0, bundle);
     bundle->arrays = cells;
     if (cells->are_parallel && !mlrt_begin_parallel_cells(&job->tree->bvh, cells, &bundle->waist)) return 0;
@@ -191,7 +199,8 @@ static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rect
         if (16 * (place % 4) >= area->width || 16 * (place / 4) >= area->height) continue;
         if (!is_whole_tile(source, &tile)) continue;
         if (!there && !cells->are_parallel &&
-            !mlrt_begin_apex_cells(source, first, bundle->scene.unit, cells, &bundle->waist))
+            (!mlrt_begin_apex_cells(source, first, bundle->scene.unit, cells, &bundle->waist) ||
+             !is_waist_within_reach(bundle)))
             return 0;
         const enum array_kind kind = add_array_cell(cells, &tile, &known, place, bundle);
         there |= (uint32_t)(kind == HAS_HULL) << place;

@@ -756,7 +756,7 @@ static MLRT_NOINLINE void trace_lanes(const struct mlrt_job *job, uint32_t lanes
         return;
     }
     struct mlrt_scaled_packet scaled;
-    const uint32_t carried = scale_packet(lanes, unit, packet, &scaled);
+    const uint32_t carried = scale_packet(lanes, unit, job->tree->bvh.reach, packet, &scaled);
     worker->scaled = &scaled;
     if (carried) trace_lanes_in_units(job, carried, &scaled.rays, worker);
     worker->scaled = NULL;

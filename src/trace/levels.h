@@ -28,7 +28,8 @@ static int gather_cells(const struct mlrt_job *job, const struct mlrt_rectangle 
                         struct mlrt_array_cells *arrays, struct mlrt_bundle *bundle)
 {
     if (mlrt_is_pinhole(&job->source)) {
-        return mlrt_gather_camera_cells(&job->source.view, job->tree->bvh.unit, area, side, bundle);
+        return mlrt_is_within_reach(&job->tree->bvh, job->source.view.eye) &&
+               mlrt_gather_camera_cells(&job->source.view, job->tree->bvh.unit, area, side, bundle);
     }
     if (arrays && job->source.kind != MLRT_SOURCE_CAMERA) return gather_array_cells(job, area, arrays, bundle);
     return 0;

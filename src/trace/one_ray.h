@@ -94,7 +94,7 @@ static int32_t trace_one_ray_in_units(const struct mlrt_tree *tree, const struct
     packet.skip[0] = given->skip;
     packet.has.skip = given->skip != MLRT_NONE;
     packet.has.apex = packet.has.masks = 0;
-    if (!scale_packet(1, tree->bvh.unit, &packet, &scaled)) return MLRT_ERROR_UNSUPPORTED;
+    if (!scale_packet(1, tree->bvh.unit, tree->bvh.reach, &packet, &scaled)) return MLRT_ERROR_UNSUPPORTED;
     for (int k = 0; k < 3; ++k) {
         ray.origin[k] = scaled.rays.origin[k][0];
         ray.direction[k] = scaled.rays.direction[k][0];

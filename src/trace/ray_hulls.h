@@ -334,10 +334,9 @@ static MLRT_NOINLINE int has_tiny_slopes(const struct mlrt_bundle *bundle, const
 static MLRT_NOINLINE uint32_t hulls_fit(struct mlrt_bundle *bundle, uint32_t places)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
-    const float *w = bundle->waist.point;
-    const int is_near =
-        fabsf(w[0]) < 0.5f * MLRT_SAFE_MAX && fabsf(w[1]) < 0.5f * MLRT_SAFE_MAX && fabsf(w[2]) < 0.5f * MLRT_SAFE_MAX;
-    const vf farthest = v_set1(is_near ? 0.5f * MLRT_SAFE_MAX : 0); /* from the waist: so origins are safe */
+    const float *w = bundle->waist.point, half = 0.5f * bundle->scene.reach;
+    const int is_near = fabsf(w[0]) < half && fabsf(w[1]) < half && fabsf(w[2]) < half;
+    const vf farthest = v_set1(is_near ? half : 0); /* from the waist: so origins are safe, and within reach */
     uint32_t fit = 0, small = 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         const vf least = v_set1(LEAST_SLOPE), below = v_set1(-LEAST_SLOPE), zero = v_set1(0), two = v_set1(2);

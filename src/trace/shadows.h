@@ -27,7 +27,8 @@ struct known_lights {
 /* Can closed cells of the picture become cells of the light? Requires a pinhole camera, a point light and unit 1. */
 static int have_lit_cells(const struct mlrt_job *job, const struct mlrt_job *light)
 {
-    return job->tree->bvh.unit == 1 && mlrt_is_pinhole(&job->source) && light->source.kind == MLRT_SOURCE_POINT_LIGHT;
+    return job->tree->bvh.unit == 1 && mlrt_is_pinhole(&job->source) && light->source.kind == MLRT_SOURCE_POINT_LIGHT &&
+           mlrt_is_within_reach(&job->tree->bvh, light->source.light);
 }
 
 /* The closed cells that a triangle covers. */

@@ -416,13 +416,16 @@ static int ends_closer(const struct mlrt_bundle *bundle)
 }
 
 /* Checks the rays of a packet that is not traced with a bundle: rule R1, and which rays float can carry. */
-static MLRT_NOINLINE void check_odd_packet(float unit, struct mlrt_packet *packet)
+static MLRT_NOINLINE void check_odd_packet(const struct mlrt_bundle_scene *scene, struct mlrt_packet *packet)
 {
     const uint32_t lanes = packet->active | packet->single;
-    if (MLRT_LIKELY(unit == 1)) {
+    if (MLRT_LIKELY(scene->unit == 1)) {
         check_packet(lanes, packet);
+        const uint32_t far = packet->active & ~lanes_within_reach(scene->reach, packet);
+        packet->active &= ~far;
+        packet->single |= far;
     } else {
-        check_packet_in_units(lanes, unit, packet);
+        check_packet_in_units(lanes, scene->unit, scene->reach, packet);
     }
 }
 
@@ -432,7 +435,7 @@ static uint32_t check_odd_packets(const struct mlrt_bundle *bundle, uint32_t pla
     uint32_t some = 0;
     for (uint32_t left = places; left; left &= left - 1) {
         struct mlrt_packet *packet = &bundle->tile->packets[mlrt_lowest_bit(left)];
-        check_odd_packet(bundle->scene.unit, packet);
+        check_odd_packet(&bundle->scene, packet);
         some |= packet->active ? left & (0u - left) : 0;
     }
     return some;
@@ -453,7 +456,7 @@ static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
     for (uint32_t left = places & ~bundle->state.going; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), bit = left & (0u - left);
         struct mlrt_packet *packet = &bundle->tile->packets[place];
-        check_odd_packet(bundle->scene.unit, packet);
+        check_odd_packet(&bundle->scene, packet);
         const int fits = packet->active && !(packet->active & ~bound_from_anywhere(bundle, place));
         if (fits && hulls_fit(bundle, bit)) {
             bundle->state.going |= bit;
@@ -492,6 +495,7 @@ static void begin_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
 {
     bundle->cache = &worker->bundles->caches[job->any];
     bundle->scene.unit = job->tree->bvh.unit;
+    bundle->scene.reach = job->tree->bvh.reach;
     bundle->state.has_lanes = bundle->state.given_up = bundle->state.nearer = bundle->state.covered = 0;
     bundle->state.set_aside = bundle->state.has_reciprocals = bundle->state.divided = 0;
     memset(bundle->state.later, 0, sizeof bundle->state.later);
@@ -519,7 +523,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
 {
     struct ray_sample samples[SAMPLE_LIMIT];
     const uint32_t cells = bundle->state.closed;
-    const uint32_t sample_count = cells ? 0 : take_samples(bundle->tile, places, bundle->scene.unit, samples);
+    const uint32_t sample_count = cells ? 0 : take_samples(bundle->tile, places, &bundle->scene, samples);
     begin_bundle(job, worker, bundle);
     bundle->arrays = NULL;
     bundle->state.going = bundle->state.apexes = cells;
@@ -662,6 +666,7 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
     const uint32_t cells = bundle->state.closed;
     uint32_t others = 0;
     bundle->scene.unit = job->tree->bvh.unit;
+    bundle->scene.reach = job->tree->bvh.reach;
     for (uint32_t left = places; left; left &= left - 1) {
         struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(left)];
         packet->active |= packet->single;

@@ -59,10 +59,10 @@ static uint32_t find_powers(const struct mlrt_packet *packet, uint32_t lanes, fl
 }
 
 /*
- * Finds the scales that bring the rays of a packet into units. Returns those of `lanes` that float carries there, where
- * origins are scaled without rounding.
+ * Finds the scales that bring the rays of a packet into units. Returns those of `lanes` that float carries there: their
+ * origins are within reach (bvh/unit.h) and are scaled without rounding.
  */
-static MLRT_NOINLINE uint32_t find_ray_scales(const struct mlrt_packet *packet, uint32_t lanes, float unit,
+static MLRT_NOINLINE uint32_t find_ray_scales(const struct mlrt_packet *packet, uint32_t lanes, float unit, float reach,
                                               struct mlrt_ray_scales *scales)
 {
     const vf scale = v_set1(unit), inverse = v_set1(1 / unit), zero = v_set1(0);
@@ -73,7 +73,7 @@ static MLRT_NOINLINE uint32_t find_ray_scales(const struct mlrt_packet *packet, 
         for (int k = 0; k < 3; ++k) {
             const vf given = packet->has.apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
             const vf origin = v_mul(given, scale), d = v_load(packet->direction[k] + v);
-            fits = m_and(fits, m_and(v_le(v_abs(origin), v_set1(MLRT_SAFE_MAX)), v_eq(v_mul(origin, inverse), given)));
+            fits = m_and(fits, m_and(v_le(v_abs(origin), v_set1(reach)), v_eq(v_mul(origin, inverse), given)));
             const vf size = v_abs(v_mul(d, v_load(scales->direction + v)));
             fits = m_and(fits, m_or(v_eq(d, zero), v_ge(size, v_set1(MLRT_SAFE_MIN))));
         }
@@ -86,12 +86,12 @@ static MLRT_NOINLINE uint32_t find_ray_scales(const struct mlrt_packet *packet, 
  * Sorts the rays of `lanes` that can hit something by rule R1 (segment.h): those that float carries in units become
  * active, the others single.
  */
-static MLRT_NOINLINE void check_packet_in_units(uint32_t lanes, float unit, struct mlrt_packet *packet)
+static MLRT_NOINLINE void check_packet_in_units(uint32_t lanes, float unit, float reach, struct mlrt_packet *packet)
 {
     struct mlrt_ray_scales scales;
     check_packet(lanes, packet);
     const uint32_t valid = packet->active | packet->single;
-    packet->active = find_ray_scales(packet, valid, unit, &scales);
+    packet->active = find_ray_scales(packet, valid, unit, reach, &scales);
     packet->single = valid & ~packet->active;
 }
 
@@ -107,10 +107,10 @@ static void copy_nearest(const struct mlrt_packet *from, uint32_t lane, double t
  * Copies a packet into `scaled`, in units. Returns those of `lanes` that float carries there. Underflow changes t_min
  * and hi by less than 2^-126, so they are moved outward by that; it is negligible beside DISTANCE_FLOOR.
  */
-static MLRT_NOINLINE uint32_t scale_packet(uint32_t lanes, float unit, struct mlrt_packet *packet,
+static MLRT_NOINLINE uint32_t scale_packet(uint32_t lanes, float unit, float reach, struct mlrt_packet *packet,
                                            struct mlrt_scaled_packet *scaled)
 {
-    const uint32_t carried = find_ray_scales(packet, lanes, unit, &scaled->scales);
+    const uint32_t carried = find_ray_scales(packet, lanes, unit, reach, &scaled->scales);
     struct mlrt_packet *rays = &scaled->rays;
     *rays = *packet;
     scaled->given = packet;

@@ -21,22 +21,23 @@ struct ray_sample {
     float direction[3];
 };
 
-/* Takes a ray of a packet as a sample. Returns 0 if float does not carry it. */
-static int take_sample(const struct mlrt_packet *packet, uint32_t lane, float unit, struct ray_sample *sample)
+/* Takes a ray of a packet as a sample. Returns 0 if float does not carry it, or it comes from too far away. */
+static int take_sample(const struct mlrt_packet *packet, uint32_t lane, const struct mlrt_bundle_scene *scene,
+                       struct ray_sample *sample)
 {
     float largest = 0;
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        sample->origin[k] = (packet->has.apex ? packet->apex[k] : packet->origin[k][lane]) * unit;
+        sample->origin[k] = (packet->has.apex ? packet->apex[k] : packet->origin[k][lane]) * scene->unit;
         sample->direction[k] = packet->direction[k][lane];
-        if (!(fabsf(sample->origin[k]) <= MLRT_SAFE_MAX && fabsf(sample->direction[k]) <= GREATEST_PACE)) return 0;
+        if (!(fabsf(sample->origin[k]) <= scene->reach && fabsf(sample->direction[k]) <= GREATEST_PACE)) return 0;
         largest = larger_of(fabsf(sample->direction[k]), largest);
     }
     return largest >= LEAST_PACE;
 }
 
 /* Takes samples, from corners and middle of a tile first. Returns their number. */
-static uint32_t take_samples(const struct mlrt_ray_tile *tile, uint32_t places, float unit,
+static uint32_t take_samples(const struct mlrt_ray_tile *tile, uint32_t places, const struct mlrt_bundle_scene *scene,
                              struct ray_sample samples[SAMPLE_LIMIT])
 {
     static const uint8_t order[MLRT_BUNDLE_PACKETS] = {5, 15, 0, 3, 12, 10, 6, 9, 1, 2, 4, 7, 8, 11, 13, 14};
@@ -46,7 +47,7 @@ static uint32_t take_samples(const struct mlrt_ray_tile *tile, uint32_t places, 
         if (!(places >> order[i] & 1) || !packet->active) continue;
         uint32_t lane = mlrt_lowest_bit(packet->active);
         if (i & 1 && packet->active >> 15) lane = 15;
-        count += (uint32_t)take_sample(packet, lane, unit, &samples[count]);
+        count += (uint32_t)take_sample(packet, lane, scene, &samples[count]);
     }
     return count;
 }
