@@ -154,7 +154,7 @@ TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_
 .PHONY: install install-strip uninstall
 .PHONY: help test-packaging deps-packaging
 .PHONY: bench charts charts-accuracy charts-speed data data-reproduction data-price data-depth data-python
-.PHONY: tables check-tables check-lemmas sweep measure measure-all draw programs-to-measure build-tests
+.PHONY: tables check-tables check-lemmas sweep measure
 .SECONDARY:
 
 all: library examples
