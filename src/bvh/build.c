@@ -134,7 +134,7 @@ static int32_t measure(struct mlrt_bvh_build *build)
 static int32_t build_hierarchy(struct mlrt_bvh_build *build)
 {
     if (!allocate_work(build)) return MLRT_ERROR_OUT_OF_MEMORY;
-    mlrt_set_bvh_unit(build->tree);
+    build->limits.typical = mlrt_set_bvh_unit(build->tree);
     int32_t status = mlrt_make_references(build);
     if (status == MLRT_OK && build->references.whole.count > 0) status = mlrt_build_binary(build);
     if (status == MLRT_OK) status = mlrt_write_hierarchy(build);

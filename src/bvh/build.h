@@ -85,7 +85,7 @@ struct mlrt_bvh_build {
     struct mlrt_bvh_costs costs;
     double scene_area; /* area of the core of the scene; a few boxes may be larger */
 
-    /* What follows from the options and the number of triangles. */
+    /* What follows from the options and the triangles. */
     struct {
         uint32_t capacity;   /* references that there is room for */
         uint32_t leaf_limit; /* leaves of the binary hierarchy, at most */
@@ -94,6 +94,7 @@ struct mlrt_bvh_build {
         uint32_t level_capacity;
         uint32_t chunk_count; /* of triangles */
         double cut_work;      /* per reference of a set that is cut */
+        int typical;          /* the exponent of a typical coordinate (unit.h) */
     } limits;
 
     /* The boxes of triangles, or of their parts, from which the hierarchy is built. */

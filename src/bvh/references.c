@@ -79,6 +79,6 @@ int32_t mlrt_make_references(struct mlrt_bvh_build *build)
     }
     build->references.whole = whole;
     if (whole.count > 0) build->tree->bounds = bounds;
-    mlrt_set_bvh_extent(build->tree);
+    mlrt_set_bvh_extent(build->tree, build->limits.typical);
     return MLRT_OK;
 }

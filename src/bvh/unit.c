@@ -79,16 +79,18 @@ int mlrt_is_odd(const struct mlrt_tree *tree, uint32_t number)
     return !mlrt_triangle_in_units(&triangle, tree->bvh.unit, &in_units);
 }
 
-void mlrt_set_bvh_unit(struct mlrt_tree *tree)
+int mlrt_set_bvh_unit(struct mlrt_tree *tree)
 {
-    tree->bvh.unit = (float)ldexp(1, unit_exponent(typical_exponent(tree)));
+    const int typical = typical_exponent(tree);
+    tree->bvh.unit = (float)ldexp(1, unit_exponent(typical));
+    return typical;
 }
 
 /* Sets the core of a hierarchy whose `whole` is set. */
-static void find_core(struct mlrt_tree *tree)
+static void find_core(struct mlrt_tree *tree, int typical)
 {
     struct mlrt_bvh *bvh = &tree->bvh;
-    const double limit = ldexp(1, typical_exponent(tree) + CORE_EXPONENT);
+    const double limit = ldexp(1, typical + CORE_EXPONENT);
     struct mlrt_box core = MLRT_NO_BOX;
     bvh->core = bvh->whole;
     if (mlrt_is_within(bvh->whole.lo, bvh->whole.hi, (float)(limit * bvh->unit))) return;
@@ -121,7 +123,7 @@ static float find_reach(const struct mlrt_tree *tree)
     return reach < MLRT_SAFE_MAX ? reach : MLRT_SAFE_MAX;
 }
 
-void mlrt_set_bvh_extent(struct mlrt_tree *tree)
+void mlrt_set_bvh_extent(struct mlrt_tree *tree, int typical)
 {
     struct mlrt_bvh *bvh = &tree->bvh;
     for (int k = 0; k < 3; ++k) {
@@ -129,6 +131,6 @@ void mlrt_set_bvh_extent(struct mlrt_tree *tree)
         bvh->whole.hi[k] = mlrt_high_in_units(tree->bounds.hi[k], bvh->unit);
     }
     bvh->is_usual = bvh->unit == 1 && mlrt_is_within(bvh->whole.lo, bvh->whole.hi, MLRT_SAFE_MAX);
-    find_core(tree);
+    find_core(tree, typical);
     bvh->reach = find_reach(tree);
 }

@@ -32,11 +32,11 @@
 #define MLRT_REACH_OF_EXTENT 0x1p13f
 #define MLRT_FEW_TRIANGLES   256
 
-/* Sets the unit of tree->bvh from the triangles. */
-void mlrt_set_bvh_unit(struct mlrt_tree *tree);
+/* Sets the unit of tree->bvh from the triangles. Returns the exponent of a typical coordinate. */
+int mlrt_set_bvh_unit(struct mlrt_tree *tree);
 
-/* Sets `whole`, `core` and `reach` of tree->bvh from these, the triangles, and tree->bounds. */
-void mlrt_set_bvh_extent(struct mlrt_tree *tree);
+/* Sets `whole`, `core` and `reach` of tree->bvh from unit, that exponent, the triangles, and tree->bounds. */
+void mlrt_set_bvh_extent(struct mlrt_tree *tree, int typical);
 
 /* The low bound of a box for a coordinate in units, rounded down. */
 static inline float mlrt_low_bound(double low)

@@ -14,7 +14,7 @@
 
 #define ITEM_RAYS 256
 
-/* After so many hits the host is asked in the middle of an item, too: they take a millisecond. */
+/* After so many hits the host is asked in the middle of an item, too. */
 #define MANY_HITS 1000
 
 struct worker {

@@ -36,8 +36,7 @@ static const char *check(struct mlrt_tree *tree)
     const float unit = tree->bvh.unit;
     const uint64_t left_out = tree->info.non_finite_count + tree->info.zero_area_count;
     if (tree->bvh.node_count == 0 && left_out < tree->triangle_count) return "there are triangles, but no boxes";
-    mlrt_set_bvh_unit(tree);
-    mlrt_set_bvh_extent(tree);
+    mlrt_set_bvh_extent(tree, mlrt_set_bvh_unit(tree));
     if (memcmp(&unit, &tree->bvh.unit, sizeof unit) != 0) return "the unit is not that of the triangles";
     return mlrt_check_boxes(tree);
 }
