@@ -334,7 +334,7 @@ reproduce: | $(AFTER_DEPS)
 STUDY_RAYS ?= 131072
 SWEEP_RAYS ?= 8192
 RUNS ?= 3
-LIVES ?= 3
+LIVES ?= 4
 BENCH ?=
 PYTHON ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import matplotlib' 2>/dev/null && echo $(p))) python3)
 OF_SCENES = $(addprefix --scene ,$(1) $(if $(SCENES),$(wildcard $(2:%=$(SCENES)/%.ply)))) $(addprefix --views ,$(VIEWS))

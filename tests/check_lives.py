@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""check_lives.py - lives.py prints the median of each number, and stops where runs disagree
+"""check_lives.py - lives.py prints the best of each number, shadows alone by two of them, and stops where runs disagree
 
     check_lives.py PATH_OF_LIVES
 
-The program that it runs is this script: each time it is called with a file, it prints the next row of that file as CSV.
+The program that it runs is this script: each time it is called with a file, it prints the next rows of that file as CSV.
 """
 import os
 import subprocess
@@ -12,13 +12,13 @@ import sys
 import tempfile
 
 
-def print_next_row(path):
+def print_next_rows(path):
     with open(path, encoding="ascii") as file:
         first, *others = file.read().splitlines()
     with open(path, "w", encoding="ascii") as file:
         file.write("\n".join(others))
-    print("scene,count,mrays")
-    print(first)
+    print("scene,kind,count,mrays,peer_mrays")
+    print(first.replace(";", "\n"))
 
 
 def run_lives(lives, rows):
@@ -32,15 +32,19 @@ def run_lives(lives, rows):
 
 def main():
     if sys.argv[1] == "--row":
-        print_next_row(sys.argv[2])
+        print_next_rows(sys.argv[2])
         return
-    medians = run_lives(sys.argv[1], ["room,16,5.0", "room,16,1.00", "room,16,2.0"])
-    assert medians.stdout == "scene,count,mrays\nroom,16,2.0\n", medians
-    assert "median 5.00, greatest 5.00" in medians.stderr, medians.stderr
-    for rows in (["room,16,1.0", "hall,16,1.0"], ["room,16,1.0", "room,15,1.0"]):
+    best = run_lives(sys.argv[1], ["room,sun,16,5.0,2.0", "room,sun,16,1.00,8.0", "room,sun,16,4.0,0.0"])
+    assert best.stdout == "scene,kind,count,mrays,peer_mrays\nroom,sun,16,5.0,8.0\n", best
+    assert "median 2.62, greatest 4.00" in best.stderr, best.stderr  # 5/4 and 8/2
+    # The first life has the best frame, the second the best lit frame: neither's difference is the one wanted.
+    shadows = run_lives(sys.argv[1], ["room,frame,16,4.0,1.0;room,lit,16,1.0,1.0;room,lit-frame,16,1.333,0.0",
+                                      "room,frame,16,2.1,1.0;room,lit,16,2.0,0.5;room,lit-frame,16,42.0,1.0"])
+    assert shadows.stdout.endswith("\nroom,frame,16,4.0,1.0\nroom,lit,16,2.0,1.0\nroom,lit-frame,16,4.000,0.000\n"), shadows
+    for rows in (["room,sun,16,1.0,1.0", "hall,sun,16,1.0,1.0"], ["room,sun,16,1.0,1.0", "room,sun,15,1.0,1.0"]):
         disagreement = run_lives(sys.argv[1], rows)
         assert disagreement.returncode != 0 and disagreement.stdout.count("\n") < 2, disagreement
-    print("check_lives.py: medians are right, and runs that disagree are refused")
+    print("check_lives.py: the best of each is right, shadows alone as well, and runs that disagree are refused")
 
 
 main()

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* contest.c - turns, medians and comparisons: see contest.h */
+/* contest.c - turns, speeds and comparisons: see contest.h */
 #include "contest.h"
 
 #include "common/timer.h"
@@ -424,7 +424,7 @@ static void take_turns(struct contest *contest, const struct answers *answers, d
         if (contender->unsupported) continue;
         const double count =
             contender->who == SPIN_LOOP ? (double)SPIN_ITEMS * SPIN_STEPS : (double)contest->task->ray_count;
-        contender->mrays = 1e-6 * count / median(seconds + i * contest->runs, contest->runs);
+        contender->mrays = 1e-6 * count / least(seconds + i * contest->runs, contest->runs);
     }
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* timer.c - times and their median: see timer.h */
+/* timer.c - times, their median and their least: see timer.h */
 #define _POSIX_C_SOURCE 200112L
 
 #include "timer.h"
@@ -51,4 +51,13 @@ double median(double *values, size_t count)
 {
     qsort(values, count, sizeof *values, compare_doubles);
     return 0.5 * (values[(count - 1) / 2] + values[count / 2]);
+}
+
+double least(const double *values, size_t count)
+{
+    double result = values[0];
+    for (size_t i = 1; i < count; i++) {
+        if (values[i] < result) result = values[i];
+    }
+    return result;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* timer.h - the time that has passed, and the median of several measurements */
+/* timer.h - the time that has passed, and one figure for several measurements */
 #ifndef TIMER_H
 #define TIMER_H
 
@@ -25,5 +25,8 @@ void rest(void);
 
 /* The value in the middle, or between the two there. Sorts `values`, of which there is at least one. */
 double median(double *values, size_t count);
+
+/* The least of at least one. */
+double least(const double *values, size_t count);
 
 #endif
