@@ -155,8 +155,7 @@ static void test_odd_triangles(void **state)
 static mlrt_counters count_rays(const struct fixture *fixture, const struct ray_list *list, int32_t query)
 {
     mlrt_counters counters = {.struct_size = sizeof counters};
-    const mlrt_trace_options options = {
-        .struct_size = sizeof options, .query = query, .method = MLRT_METHOD_TILE, .counters = &counters};
+    const mlrt_trace_options options = {.struct_size = sizeof options, .query = query, .counters = &counters};
     struct reference_hit *hits = allocate_or_fail(list->count, sizeof *hits);
     uint8_t *occluded = allocate_or_fail(list->count, 1);
     const mlrt_rays rays = public_rays(list);
@@ -174,8 +173,7 @@ static mlrt_counters count_rays(const struct fixture *fixture, const struct ray_
 static mlrt_counters count_camera(const struct fixture *fixture, const mlrt_camera *camera)
 {
     mlrt_counters counters = {.struct_size = sizeof counters};
-    const mlrt_trace_options options = {
-        .struct_size = sizeof options, .method = MLRT_METHOD_TILE, .counters = &counters};
+    const mlrt_trace_options options = {.struct_size = sizeof options, .counters = &counters};
     const size_t count = (size_t)camera->width * camera->height;
     struct reference_hit *hits = allocate_or_fail(count, sizeof *hits);
     const mlrt_hits results = public_hits(hits, 0);
@@ -344,14 +342,24 @@ static mlrt_counters count_from(const struct fixture *fixture, const struct soup
     return counters;
 }
 
+/* Does a kd-tree test a ray from `from` against at most 32 triangles in the mean, however it comes to be? */
+static void check_tests_of_kdtree(const struct fixture *fixture, const struct soup *scene, const float from[3])
+{
+    const struct fixture of_kdtree = {.tree = fixture->kdtree};
+    for (int way = 0; way < 5; ++way) {
+        const uint64_t tests = count_from(&of_kdtree, scene, from, way).triangle_test_count;
+        if (tests > 32 * 256) fail_msg("from %g, way %d: %.0f tests of 256 rays", (double)from[1], way, (double)tests);
+    }
+}
+
 /*
- * Rays from so far away that floats no longer tell the boxes of a scene apart (MLRT_REACH_OF_EXTENT, bvh/unit.h) are
- * not tested against all of it, and their answers are right.
+ * Rays from so far away that floats no longer tell the boxes of a scene apart (scene/reach.h) are not tested against all
+ * of it, and their answers are right.
  */
 static void test_far_origins(void **state)
 {
     (void)state;
-    static const float distances[] = {0x1p12f, 0x1p16f, 0x1p20f, 0x1p40f};
+    static const float distances[] = {0x1p7f, 0x1p12f, 0x1p16f, 0x1p20f, 0x1p40f};
     struct random random = {991};
     struct soup scene = draw_scene(&random, 800), copy = {0};
     for (size_t i = 0; i < scene.count; ++i) {
@@ -368,6 +376,7 @@ static void test_far_origins(void **state)
                          (double)counters.judged_lane_count / 256);
             }
         }
+        check_tests_of_kdtree(&fixture, &scene, from);
         struct ray_list list = {0};
         add_far_rays(&list, &random, &scene, from, 0, 32);
         add_far_rays(&list, &random, &scene, from, 0.25f * distances[i], 32);

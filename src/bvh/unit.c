@@ -4,11 +4,16 @@
 
 #include <string.h>
 
+#include "scene/reach.h"
+
 /* The unit is 1 if the typical coordinate is within 2^-20 .. 2^20. */
 #define USUAL_EXPONENT 20
 
 /* Triangles with a coordinate of more than 2^16 times the typical one are not in the core. */
 #define CORE_EXPONENT 16
+
+/* Of so few, all may be met: one by one, in double, rays from far away would take longer than in float. */
+#define FEW_TRIANGLES 256
 
 /* At most so many triangles are sampled. */
 #define SAMPLE_COUNT 4096
@@ -109,20 +114,6 @@ static void find_core(struct mlrt_tree *tree, int typical)
     }
 }
 
-/* The reach of a hierarchy whose core is set: see unit.h. */
-static float find_reach(const struct mlrt_tree *tree)
-{
-    const struct mlrt_box *core = &tree->bvh.core;
-    float extent = 0, farthest = 0;
-    if (tree->triangle_count < MLRT_FEW_TRIANGLES) return MLRT_SAFE_MAX;
-    for (int k = 0; k < 3; ++k) {
-        extent = fmaxf(core->hi[k] - core->lo[k], extent);
-        farthest = fmaxf(fmaxf(-core->lo[k], core->hi[k]), farthest);
-    }
-    const float reach = farthest + MLRT_REACH_OF_EXTENT * extent;
-    return reach < MLRT_SAFE_MAX ? reach : MLRT_SAFE_MAX;
-}
-
 void mlrt_set_bvh_extent(struct mlrt_tree *tree, int typical)
 {
     struct mlrt_bvh *bvh = &tree->bvh;
@@ -132,5 +123,5 @@ void mlrt_set_bvh_extent(struct mlrt_tree *tree, int typical)
     }
     bvh->is_usual = bvh->unit == 1 && mlrt_is_within(bvh->whole.lo, bvh->whole.hi, MLRT_SAFE_MAX);
     find_core(tree, typical);
-    bvh->reach = find_reach(tree);
+    bvh->reach = tree->triangle_count < FEW_TRIANGLES ? MLRT_SAFE_MAX : mlrt_reach_of(&bvh->core);
 }

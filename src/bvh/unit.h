@@ -23,19 +23,10 @@
 
 #define MLRT_BVH_FAR 0x1p62f
 
-/*
- * Float tells boxes and triangles apart by 2^-20 of their distance from the origin of a ray. So rays from more than 2^13
- * times the extent of the scene (its core) away would meet much that they pass, and from 2^20 times everything. They go
- * one by one in double, unless triangles are so few that this would take longer. `reach` is the greatest magnitude that
- * a coordinate of an origin may have for float, and at most MLRT_SAFE_MAX. No answer depends on it.
- */
-#define MLRT_REACH_OF_EXTENT 0x1p13f
-#define MLRT_FEW_TRIANGLES   256
-
 /* Sets the unit of tree->bvh from the triangles. Returns the exponent of a typical coordinate. */
 int mlrt_set_bvh_unit(struct mlrt_tree *tree);
 
-/* Sets `whole`, `core` and `reach` of tree->bvh from unit, that exponent, the triangles, and tree->bounds. */
+/* Sets `whole`, `core` and `reach` (scene/reach.h) of tree->bvh from unit, that exponent, the triangles, and tree->bounds. */
 void mlrt_set_bvh_extent(struct mlrt_tree *tree, int typical);
 
 /* The low bound of a box for a coordinate in units, rounded down. */

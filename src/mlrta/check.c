@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "mlrta/split.h"
+#include "scene/reach.h"
 
 /* Sets the cells of a node's children. */
 static void split_cell(const struct mlrt_node *node, const struct mlrt_box *cell, struct mlrt_box children[2])
@@ -39,7 +40,7 @@ static uint64_t hash_tree(const struct mlrt_tree *tree, struct mlrt_progress *pr
     return hash;
 }
 
-void mlrt_find_float_safety(struct mlrt_tree *tree)
+void mlrt_find_float_limits(struct mlrt_tree *tree)
 {
     int is_safe = 1;
     for (int k = 0; k < 3; k++)
@@ -49,6 +50,7 @@ void mlrt_find_float_safety(struct mlrt_tree *tree)
         if (!mlrt_node_is_leaf(node) && !mlrt_is_float_safe(node->u.split)) is_safe = 0;
     }
     tree->kdtree.float_safe = is_safe;
+    tree->kdtree.reach = mlrt_reach_of(&tree->bounds);
 }
 
 /* Costs, the area of the scene, and the sum of costs times area so far. */
@@ -91,7 +93,7 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
     if (!measure_node(tree, 0, 0, &tree->bounds, progress, &measure)) return;
     info->sah_cost = measure.cost / intersection_cost;
     info->tree_hash = hash_tree(tree, progress);
-    mlrt_find_float_safety(tree);
+    mlrt_find_float_limits(tree);
 }
 
 /* ---- invariants ---------------------------------------------------------------------------------------------- */

@@ -75,15 +75,15 @@ struct mlrt_demand mlrt_foresee_nodes(const void *options, uint32_t triangle_cou
 /* ---- check.c -------------------------------------------------------------------------------------------------- */
 
 /*
- * Sets all that follows from nodes, references and bounds: float_safe, and in tree->info the depth, the counts of
+ * Sets all that follows from nodes, references and bounds: float_safe and reach, and in tree->info the depth, the counts of
  * nodes, leaves and references, tree_hash, the bounds, and sah_cost for the two costs given. If the call is cancelled
  * meanwhile, these may be wrong.
  */
 void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double intersection_cost,
                        struct mlrt_progress *progress);
 
-/* Sets float_safe, from planes and bounds. */
-void mlrt_find_float_safety(struct mlrt_tree *tree);
+/* Sets float_safe and reach, from planes and bounds. */
+void mlrt_find_float_limits(struct mlrt_tree *tree);
 
 /*
  * Checks that any ray can be traced through nodes and references: all invariants but I3, leaves in depth-first order,

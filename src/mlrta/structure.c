@@ -24,7 +24,7 @@ static const char *take(struct mlrt_tree *tree)
 
 static const char *check(struct mlrt_tree *tree)
 {
-    mlrt_find_float_safety(tree);
+    mlrt_find_float_limits(tree);
     return mlrt_check_nodes(tree);
 }
 

@@ -15,7 +15,7 @@
 /* What is known of a ray before it is traced. */
 enum mlrt_lone_ray_kind {
     MLRT_LONE_RAY_MISSES,      /* it can hit nothing (rule R1, exact/segment.h), or passes the box of the scene */
-    MLRT_LONE_RAY_NOT_CARRIED, /* float does not carry its numbers, or its origin is beyond reach (bvh/unit.h) */
+    MLRT_LONE_RAY_NOT_CARRIED, /* float does not carry its numbers, or its origin is beyond reach (scene/reach.h) */
     MLRT_LONE_RAY_MAY_HIT
 };
 

@@ -8,7 +8,7 @@
  * A ray is `active` if float arithmetic carries its numbers without overflow or loss. On the kd-tree, its direction
  * components and origin coordinates, and the coordinates of the tree (float_safe in scene/tree.h), must be 0 or of
  * magnitude 2^-60 .. 2^60; in the hierarchy of boxes they must be so in its units (trace/units.h), and the origin
- * within reach (bvh/unit.h). Other rays that can hit a triangle are `single`: they go through the tree one by one in
+ * within reach (scene/reach.h). Other rays that can hit a triangle are `single`: they go through the tree one by one in
  * double.
  */
 #ifndef MLRT_RAYS_PACKET_H

@@ -35,7 +35,7 @@ struct mlrt_bvh {
     uint32_t *places;         /* of all triangles, mlrt_pack_place; NULL = tree->triangles has them */
     float unit;               /* the factor of the coordinates of boxes and corners: bvh/unit.h; 0 in a kd-tree */
     uint32_t leaf_quad_count; /* quads of leaves: the first ones */
-    float reach;              /* from where float tells boxes apart, in units: bvh/unit.h */
+    float reach;              /* from where float tells boxes apart, in units: reach.h */
     struct mlrt_box whole;    /* bounds of all triangles that leaves hold, in units */
     struct mlrt_box core;     /* estimated bounds of most of them, in units: no answer depends on it */
     int is_usual;             /* 1 = no triangle can be odd: the unit is 1, and `whole` is within MLRT_SAFE_MAX */
@@ -48,6 +48,7 @@ struct mlrt_kdtree {
     uint32_t reference_count;
     uint32_t *references;
     int float_safe; /* 1 = every split plane and every bound is mlrt_is_float_safe */
+    float reach;    /* from where float tells cells apart: reach.h */
 };
 
 /* Mesh m is at position m of the caller's array. */

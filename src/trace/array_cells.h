@@ -165,7 +165,7 @@ static enum array_kind add_array_cell(struct mlrt_array_cells *cells, const stru
     return kind == HAS_HULL ? set_array_cell(cells, &of, place, bundle) : kind;
 }
 
-/* Is the point from which all rays start within reach (bvh/unit.h)? */
+/* Is the point from which all rays start within reach (scene/reach.h)? */
 MLRT_INLINE int is_waist_within_reach(const struct mlrt_bundle *bundle)
 {
     const float *w = bundle->waist.point, reach = bundle->scene.reach;

@@ -147,7 +147,7 @@ struct mlrt_bundle_traits {
 /* The scene, as a bundle sees it. */
 struct mlrt_bundle_scene {
     float unit;                  /* all numbers of a bundle but `apex` are in units of the hierarchy (bvh/unit.h) */
-    float reach;                 /* rays from farther away go in double (bvh/unit.h) */
+    float reach;                 /* rays from farther away go in double (scene/reach.h) */
     float first, last;           /* depths between which all boxes lie */
     float core_first, core_last; /* depths between which most triangles lie: only for guesses */
 };

@@ -60,7 +60,7 @@ static uint32_t find_powers(const struct mlrt_packet *packet, uint32_t lanes, fl
 
 /*
  * Finds the scales that bring the rays of a packet into units. Returns those of `lanes` that float carries there: their
- * origins are within reach (bvh/unit.h) and are scaled without rounding.
+ * origins are within reach (scene/reach.h) and are scaled without rounding.
  */
 static MLRT_NOINLINE uint32_t find_ray_scales(const struct mlrt_packet *packet, uint32_t lanes, float unit, float reach,
                                               struct mlrt_ray_scales *scales)
