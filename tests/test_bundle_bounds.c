@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Bundles whose numbers are near the ends of what floats are: places and depths that are denormal, directions of which
- * a component is tiny, whose slopes or reciprocals float does not carry. Every way of tracing against the reference.
+ * Bundles whose numbers are near the ends of what floats are: intercepts and depths that are denormal, directions of
+ * which a component is tiny, whose slopes or reciprocals float does not carry. Every way of tracing against the
+ * reference.
  *
- * And searches for the ray and triangle whose place, edge function, D or N comes closest to its bound
+ * And searches for the ray and triangle whose intercept, edge function, D or N comes closest to its bound
  * (docs/accuracy.md, "Bundles"), as in test_bounds.c. `test_bundle_bounds 100` searches 100 times as long.
  */
 #include <gmp.h>
@@ -135,10 +136,10 @@ static void depths_of_few_rays_may_underflow(void **state)
 }
 
 /*
- * Origins 2^-131 from the waist, and a triangle four to five times 2^-149 beside it: roundings of a place there, and of
- * a slope times a depth, make more than 2^-149 together, and PLACE_ERROR R A is less than that. The first tile starts
- * at 0 and so sets the waist, which the second one keeps. In that each packet has one ray, sixteen times; that of
- * packet 5 says which axis is the main one.
+ * Origins 2^-131 from the waist, and a triangle four to five times 2^-149 beside it: roundings of an intercept there,
+ * and of a slope times a depth, make more than 2^-149 together, and INTERCEPT_ERROR R A is less than that. The first
+ * tile starts at 0 and so sets the waist, which the second one keeps. In that each packet has one ray, sixteen times;
+ * that of packet 5 says which axis is the main one.
  */
 static void places_may_underflow(void **state)
 {
@@ -155,7 +156,7 @@ static void places_may_underflow(void **state)
         const int is_other = i < RAY_COUNT || (column == 1 && row == 1);
         add_ray(&list, is_other ? origin : beside, is_other ? other : direction);
     }
-    check("places that underflow", 0, &soup, &list);
+    check("intercepts that underflow", 0, &soup, &list);
 }
 
 /*
@@ -400,13 +401,13 @@ static void begin_bundle_of(const float *point, const float *const *origins, con
 }
 
 /* Makes the hull of the packet, and its numbers lane by lane. Returns whether float carries them. */
-static int finish_bundle(int has_places)
+static int finish_bundle(int has_intercepts)
 {
-    bundle.has.places = has_places;
-    bundle.has.apex = !has_places && find_apex(&bundle, bundle.apex);
+    bundle.has.intercepts = has_intercepts;
+    bundle.has.apex = !has_intercepts && find_apex(&bundle, bundle.apex);
     const uint32_t fit = bound_from_anywhere(&bundle, 0), active = tile.packets[0].active;
     if ((fit & active) != active || !hulls_fit(&bundle, 1)) return 0;
-    assert_int_equal(bundle.state.apexes, !has_places);
+    assert_int_equal(bundle.state.apexes, !has_intercepts);
     finish_depths(&bundle, 1, 0);
     finish_hulls(&bundle, 0);
     bundle.hulls.closed.cover_near[0] = INFINITY;
@@ -415,14 +416,14 @@ static int finish_bundle(int has_places)
     return 1;
 }
 
-/* Of inputs; with places from a waist of their own, else from their origin. */
-static int bundle_of(const float *input, int count, int has_places)
+/* Of inputs; with intercepts from a waist of their own, else from their origin. */
+static int bundle_of(const float *input, int count, int has_intercepts)
 {
-    const float *const origins[2] = {input + ORIGIN(0), has_places ? input + ORIGIN(1) : input + ORIGIN(0)};
+    const float *const origins[2] = {input + ORIGIN(0), has_intercepts ? input + ORIGIN(1) : input + ORIGIN(0)};
     const float *const directions[2] = {input + DIRECTION(0), input + DIRECTION(1)};
     is_fused = input[FUSED] < 0;
-    begin_bundle_of(has_places ? input + WAIST : input + ORIGIN(0), origins, directions, count);
-    return finish_bundle(has_places);
+    begin_bundle_of(has_intercepts ? input + WAIST : input + ORIGIN(0), origins, directions, count);
+    return finish_bundle(has_intercepts);
 }
 
 static void set_up_triangle(const float *input)
@@ -435,10 +436,10 @@ static void set_up_triangle(const float *input)
     leaf.numbers = &number;
     leaf.corners = input;
     leaf.row = 1;
-    leaf.has_places = bundle.has.places;
+    leaf.has_intercepts = bundle.has.intercepts;
     set_outlines(&bundle.waist, (const vf(*)[3])corners.to, 1, 0, &leaf);
     divisor_count = 0;
-    set_up_vector_by(&corners, 0, bundle.has.places, &leaf); /* divisors: of n, of edges ab, bc, ca */
+    set_up_vector_by(&corners, 0, bundle.has.intercepts, &leaf); /* divisors: of n, of edges ab, bc, ca */
     leaf.state.doubtful = doubtful_places(&leaf) & 1;
     memcpy(triangles[0].v, input, sizeof triangles[0].v);
     for (int i = 0; i < 3; i++) load_exactly(input + 3 * i, &corner[i]);
@@ -495,41 +496,44 @@ static int find_hit(int ray, int is_line)
 }
 
 /* In units of 1 / |d_main|. */
-static double attack_place(const float *input)
+static double attack_intercept(const float *input)
 {
     double worst = 0;
     if (!bundle_of(input, 1, 1)) return -1;
-    const float bound = PLACE_ERROR * (bundle.hulls.filter.reach[0] * bundle.hulls.filter.away[0]) + PLACE_FLOOR;
+    const float bound =
+        INTERCEPT_ERROR * (bundle.hulls.filter.reach[0] * bundle.hulls.filter.away[0]) + INTERCEPT_FLOOR;
     set_scale(tile.rays[0].pace[0], 1);
     for (int side = 0; side < 2; side++) {
         mpf_mul(truth, origin[0].x[1 + side], direction[0].x[0]);
         mpf_mul(product, origin[0].x[0], direction[0].x[1 + side]);
         mpf_sub(truth, truth, product);
-        worst = fmax(worst, fabs(error_over(tile.rays[0].term[MLRT_PLACE_J + side][0], bound)));
+        worst = fmax(worst, fabs(error_over(tile.rays[0].term[MLRT_INTERCEPT_J + side][0], bound)));
     }
     return worst;
 }
 
 /*
- * The hull of two rays: how much of what slopes, places and moments are moved apart by is used up. Of places 0.25 of
- * PLACE_ERROR and what middles and radii pay for; of a moment what places may be off by. And A is no less than it says.
+ * The hull of two rays: how much of what slopes, intercepts and moments are moved apart by is used up. Of intercepts
+ * 0.25 of INTERCEPT_ERROR and what middles and radii pay for; of a moment what intercepts may be off by. And A is no
+ * less than it says.
  */
 static double attack_hull(const float *input)
 {
     double worst = 0;
     if (!bundle_of(input, 2, 1)) return -1;
     const struct mlrt_hulls *hulls = &bundle.hulls;
-    const double reach = hulls->filter.reach[0], error = PLACE_ERROR * (reach * hulls->filter.away[0]) + PLACE_FLOOR;
+    const double reach = hulls->filter.reach[0],
+                 error = INTERCEPT_ERROR * (reach * hulls->filter.away[0]) + INTERCEPT_FLOOR;
     double radius[2];
     for (int ray = 0; ray < 2; ray++) {
         set_scale(tile.rays[0].pace[ray], 1);
         for (int side = 0; side < 2; side++) {
             const struct mlrt_hull_row *slopes = &hulls->term[MLRT_SLOPE_J + side],
-                                       *places = &hulls->term[MLRT_PLACE_J + side];
+                                       *intercepts = &hulls->term[MLRT_INTERCEPT_J + side];
             const double middle = hulls->filter.middle[MLRT_SLOPE_J + side][0],
                          slope_size = fmax(fabs(slopes->lo[0]), fabs(slopes->hi[0]));
-            const double at = hulls->filter.middle[MLRT_PLACE_J + side][0],
-                         size = fmax(fabs(places->lo[0]), fabs(places->hi[0]));
+            const double at = hulls->filter.middle[MLRT_INTERCEPT_J + side][0],
+                         size = fmax(fabs(intercepts->lo[0]), fabs(intercepts->hi[0]));
             mpf_set(truth, direction[ray].x[1 + side]);
             if (2 * slope_size > reach) return INFINITY;
             radius[side] = hulls->filter.radius[MLRT_SLOPE_J + side][0];
@@ -539,10 +543,12 @@ static double attack_hull(const float *input)
             mpf_mul(truth, origin[ray].x[1 + side], direction[ray].x[0]);
             mpf_mul(product, origin[ray].x[0], direction[ray].x[1 + side]);
             mpf_sub(truth, truth, product);
-            worst = fmax(worst, beyond(places->lo[0], places->hi[0], error));
-            worst = fmax(worst,
-                         fabs(error_over(at, hulls->filter.radius[MLRT_PLACE_J + side][0] + error)) > 1 ? INFINITY : 0);
-            worst = fmax(worst, beyond(hulls->place[side].lo[0], hulls->place[side].hi[0], 1) > 0 ? INFINITY : 0);
+            worst = fmax(worst, beyond(intercepts->lo[0], intercepts->hi[0], error));
+            worst =
+                fmax(worst,
+                     fabs(error_over(at, hulls->filter.radius[MLRT_INTERCEPT_J + side][0] + error)) > 1 ? INFINITY : 0);
+            worst =
+                fmax(worst, beyond(hulls->intercept[side].lo[0], hulls->intercept[side].hi[0], 1) > 0 ? INFINITY : 0);
             if (13 * 0x1p-24 * size > hulls->filter.blur[0]) return INFINITY;
         }
         /* m d_main^2 = d_l (x_j d_main) - d_j (x_l d_main), where x d_main = o d_main - o_main d: o_main drops out. */
@@ -575,8 +581,8 @@ static double attack_depths(const float *input)
     packet->t_min[0] = input[3];
     packet->t_max[0] = input[4] == 1 ? INFINITY : input[4];
     const float begin = fmaxf(input[3], 0), end = packet->t_max[0];
-    const int is_none = !(begin < end), has_places = memcmp(point, from, sizeof point) != 0;
-    if (!finish_bundle(has_places)) return -1;
+    const int is_none = !(begin < end), has_intercepts = memcmp(point, from, sizeof point) != 0;
+    if (!finish_bundle(has_intercepts)) return -1;
     if (is_none) return INFINITY;
     const struct mlrt_hulls *hulls = &bundle.hulls;
     set_scale(1, 1);
@@ -613,10 +619,10 @@ static void draw_depths(struct random *random, const struct bound *bound, float 
 }
 
 /* Those of the first ray and a triangle. */
-static void find_edges(const struct mlrt_bundle_leaf *of, int has_places, struct edge_values *found)
+static void find_edges(const struct mlrt_bundle_leaf *of, int has_intercepts, struct edge_values *found)
 {
-    found->bound[0] = edge_bounds(&(struct hull_pairs){&bundle.hulls, of, 0, 0, 0, has_places}, 1);
-    if (has_places) {
+    found->bound[0] = edge_bounds(&(struct hull_pairs){&bundle.hulls, of, 0, 0, 0, has_intercepts}, 1);
+    if (has_intercepts) {
         find_edge_values(of, &tile.rays[0], &tile.packets[0], 1, 1, 0, 1, found);
     } else {
         find_edge_values(of, &tile.rays[0], &tile.packets[0], 1, 0, 0, 1, found);
@@ -624,11 +630,11 @@ static void find_edges(const struct mlrt_bundle_leaf *of, int has_places, struct
 }
 
 /* In units of size / |d_main|. One edge at a time is the least of the three, as only that is kept. */
-static double edges_over(const float *input, int has_places)
+static double edges_over(const float *input, int has_intercepts)
 {
     static struct edge_values found;
     double worst = 0;
-    if (!bundle_of(input, 1, has_places)) return -1;
+    if (!bundle_of(input, 1, has_intercepts)) return -1;
     set_up_triangle(input);
     for (int i = 0; i < 3; i++) {
         struct mlrt_bundle_leaf one = leaf;
@@ -637,7 +643,7 @@ static double edges_over(const float *input, int has_places)
             one.edges.constant[j][0] = FLT_MAX;
             memset(one.edges.coefficient[j], 0, sizeof one.edges.coefficient[j]);
         }
-        find_edges(&one, has_places, &found);
+        find_edges(&one, has_intercepts, &found);
         find_edge(i, 0);
         turn_as_leaf();
         set_scale(divisors[EDGE_DIVISOR(i)], tile.rays[0].pace[0]);
@@ -666,17 +672,17 @@ static double attack_box(const float *input)
     if (!bundle_of(input, 1, 1)) return -1;
     const struct mlrt_hulls *hulls = &bundle.hulls;
     const float depth = (input[0] - input[WAIST]) * bundle.waist.sign;
-    const float place_bound = PLACE_ERROR * (hulls->filter.reach[0] * hulls->filter.away[0]) + PLACE_FLOOR;
+    const float intercept_bound = INTERCEPT_ERROR * (hulls->filter.reach[0] * hulls->filter.away[0]) + INTERCEPT_FLOOR;
     load_exactly(input, &corner[0]);
     set_scale(tile.rays[0].pace[0], 1);
     mpf_sub(corner[0].x[0], corner[0].x[0], origin[0].x[0]);
     for (int i = 0; i < 2; i++) {
-        const double place = hulls->term[MLRT_PLACE_J + i].lo[0], slope = hulls->term[MLRT_SLOPE_J + i].lo[0];
-        const double moved = (fabs(place) + fabs(slope * depth)) * SLOPE_SLACK + place_bound + HULL_FLOOR;
+        const double intercept = hulls->term[MLRT_INTERCEPT_J + i].lo[0], slope = hulls->term[MLRT_SLOPE_J + i].lo[0];
+        const double moved = (fabs(intercept) + fabs(slope * depth)) * SLOPE_SLACK + intercept_bound + HULL_FLOOR;
         const float upper =
-            upper_place(depth, depth, hulls->slope[i].lo[0], hulls->slope[i].hi[0], hulls->place[i].hi[0], 1);
+            greatest_across(depth, depth, hulls->slope[i].lo[0], hulls->slope[i].hi[0], hulls->intercept[i].hi[0], 1);
         const float lower =
-            lower_place(depth, depth, hulls->slope[i].lo[0], hulls->slope[i].hi[0], hulls->place[i].lo[0], 1);
+            least_across(depth, depth, hulls->slope[i].lo[0], hulls->slope[i].hi[0], hulls->intercept[i].lo[0], 1);
         mpf_mul(truth, origin[0].x[1 + i], direction[0].x[0]);
         mpf_mul(product, direction[0].x[1 + i], corner[0].x[0]);
         mpf_add(truth, truth, product);
@@ -686,7 +692,7 @@ static double attack_box(const float *input)
     return worst;
 }
 
-/* Sets `truth` to a place, over one axis: that of a ray at the waist, or with the slope put aside at a depth. */
+/* Sets `truth` to the component of a ray over one axis: at the waist, or with the slope put aside at a depth. */
 static void find_exact_place(int side, mpf_t depth)
 {
     mpf_mul(truth, origin[0].x[0], direction[0].x[1 + side]);
@@ -702,12 +708,12 @@ static void find_exact_place(int side, mpf_t depth)
  * A box that the first ray meets at the depth of a point, as small as floats allow there, deeper than that or less deep
  * if other numbers say so: nobody may leave it out. Returns 0 if nobody does.
  */
-static double boxes_over(const float *input, int count, int has_places)
+static double boxes_over(const float *input, int count, int has_intercepts)
 {
     static struct mlrt_bvh_node node;
     struct box_of_bundle box;
     float near[MLRT_BVH_WIDTH];
-    if (!bundle_of(input, count, has_places)) return -1;
+    if (!bundle_of(input, count, has_intercepts)) return -1;
     for (uint32_t i = 1; i < MLRT_BUNDLE_PACKETS; i++) leave_bundle(&bundle, i);
     sum_up_hulls(&bundle);
     load_exactly(input, &corner[0]);
@@ -731,9 +737,9 @@ static double boxes_over(const float *input, int count, int has_places)
         node.lo[1 + side][0] = at;
         node.hi[1 + side][0] = mpf_cmp_d(truth, at) == 0 ? at : next_float(at, 1);
     }
-    if (!(bundle_children_met(&bundle, &node, has_places, near) & 1)) return INFINITY;
+    if (!(bundle_children_met(&bundle, &node, has_intercepts, near) & 1)) return INFINITY;
     see_bundle_box(&bundle.waist, &node, 0, &box);
-    if (!packets_met(&bundle, &box, has_places)) return INFINITY;
+    if (!packets_met(&bundle, &box, has_intercepts)) return INFINITY;
     return lanes_of_packet_met(&bundle, 0, &box) & 1 ? 0.001 : INFINITY;
 }
 
@@ -749,22 +755,23 @@ static double attack_apex_box_met(const float *input)
 
 /*
  * Outlines of a point in the triangle's place: as fans, or as beams along any slope. How much is used of 2^-20 of all
- * that is added up, what places may be off by, and the floor: where the ray passes the point by d, the comparison must
- * be closer to what is met than d.
+ * that is added up, what intercepts may be off by, and the floor: where the ray passes the point by d, the comparison
+ * must be closer to what is met than d.
  */
-static double outlines_over(const float *input, int has_places)
+static double outlines_over(const float *input, int has_intercepts)
 {
     double worst = 0;
     float point[9];
     struct mlrt_hull hull;
-    if (!bundle_of(input, 1, has_places)) return -1;
+    if (!bundle_of(input, 1, has_intercepts)) return -1;
     for (int i = 0; i < 9; i++) point[i] = input[i % 3];
     bundle.waist.is_beam = fabsf(input[3]) > 1;
     for (int i = 0; i < 2; i++) bundle.waist.slope[i] = bundle.waist.is_beam ? fminf(fmaxf(input[4 + i], -2), 2) : 0;
     set_up_triangle(point);
     take_hull(&bundle, 0, &hull);
     const struct mlrt_hulls *hulls = &bundle.hulls;
-    const double error = has_places ? PLACE_ERROR * (hulls->filter.reach[0] * hulls->filter.away[0]) + PLACE_FLOOR : 0;
+    const double error =
+        has_intercepts ? INTERCEPT_ERROR * (hulls->filter.reach[0] * hulls->filter.away[0]) + INTERCEPT_FLOOR : 0;
     const double depth = fabs(mpf_get_d(corner[0].x[0]));
     set_scale(1, 1);
     for (int i = 0; i < 2; i++) {
@@ -780,18 +787,18 @@ static double outlines_over(const float *input, int has_places)
         if (is_fan) mpf_div(other, other, corner[0].x[0]);
         mpf_set(truth, other);
         const vf slopes[2] = {v_set1(hull.slope_lo[i]), v_set1(hull.slope_hi[i])};
-        const vf places[2] = {v_set1(hull.place_lo[i]), v_set1(hull.place_hi[i])};
+        const vf intercepts[2] = {v_set1(hull.intercept_lo[i]), v_set1(hull.intercept_hi[i])};
         MLRT_ALIGNED(64) float lower[VW], upper[VW];
         vf ends[2];
-        find_outline_ends(&bundle.waist, i, v_set1(leaf.outline.weight[0]), m_from_bits(0), is_fan, slopes, places,
-                          has_places, ends);
+        find_outline_ends(&bundle.waist, i, v_set1(leaf.outline.weight[0]), m_from_bits(0), is_fan, slopes, intercepts,
+                          has_intercepts, ends);
         v_store(lower, ends[0]);
         v_store(upper, ends[1]);
         /* What is compared, relative to the ray's own: lo - upper is not more than `truth`, hi - lower not less. */
         const double low = (double)leaf.outline.lo[i][0] - upper[0], high = (double)leaf.outline.hi[i][0] - lower[0];
         if (!(low <= INFINITY && high >= -INFINITY)) return INFINITY;
         if ((mpf_sgn(truth) <= 0 && low > 0) || (mpf_sgn(truth) >= 0 && high < 0)) return INFINITY;
-        if (!has_places && !is_fan && p < 0x1p-100) continue; /* what underflows keeps its order: nothing is used */
+        if (!has_intercepts && !is_fan && p < 0x1p-100) continue; /* what underflows keeps its order: nothing is used */
         worst = fmax(worst, 1 + error_over(fmax(low, -FLT_MAX), size));
         worst = fmax(worst, 1 - error_over(fmin(high, FLT_MAX), size));
     }
@@ -809,8 +816,8 @@ static double attack_apex_outline(const float *input)
 }
 
 /*
- * Edge functions between these are moved so that the least of them, in either sign, is just below 0. Is the edge open then
- * (find_open_edges, cover.h)? That is so if the bounds over the hull hold.
+ * Edge functions between these are moved so that the least of them, in either sign, is just below 0. Is the edge open
+ * then (find_open_edges, cover.h)? That is so if the bounds over the hull hold.
  */
 static int is_open_if_moved(int i, double least, double greatest)
 {
@@ -827,12 +834,12 @@ static int is_open_if_moved(int i, double least, double greatest)
 }
 
 /* How far outside the bounds over their hull the edge functions of two rays are. */
-static double cuts_over(const float *input, int has_places)
+static double cuts_over(const float *input, int has_intercepts)
 {
     double worst = 0;
-    if (!bundle_of(input, 2, has_places)) return -1;
+    if (!bundle_of(input, 2, has_intercepts)) return -1;
     set_up_triangle(input);
-    const struct hull_pairs pairs = {&bundle.hulls, &leaf, 0, 0, 0, has_places};
+    const struct hull_pairs pairs = {&bundle.hulls, &leaf, 0, 0, 0, has_intercepts};
     const float bound = edge_bounds(&pairs, 2);
     for (int i = 0; i < 3; i++) {
         float least, greatest;
@@ -872,46 +879,46 @@ static double attack_apex_cut(const float *input)
 }
 
 /* Is the triangle left out for the packet, by where it is seen or by its edges? */
-static int is_cut(int has_places)
+static int is_cut(int has_intercepts)
 {
     struct mlrt_hull hull;
     take_hull(&bundle, 0, &hull);
-    if (!(triangles_met(&bundle, &leaf, &hull, has_places, 1) & 1)) return 1;
-    return !(triangles_within_edges(&bundle, &leaf, 0, has_places, 1) & 1);
+    if (!(triangles_met(&bundle, &leaf, &hull, has_intercepts, 1) & 1)) return 1;
+    return !(triangles_within_edges(&bundle, &leaf, 0, has_intercepts, 1) & 1);
 }
 
 /* Tests the ray against the triangle as traversal does: 1 = hit, -1 = missed, 0 = undecided. */
-static int test_ray(int has_places, struct bundle_vector *of, struct plane_of_rays *plane)
+static int test_ray(int has_intercepts, struct bundle_vector *of, struct plane_of_rays *plane)
 {
     const struct mlrt_hulls *hulls = &bundle.hulls;
-    const struct plane_bounds bounds = {PLANE_BOUND * hulls->filter.reach[0], has_places ? hulls->filter.away[0] : 0,
-                                        0};
+    const struct plane_bounds bounds = {PLANE_BOUND * hulls->filter.reach[0],
+                                        has_intercepts ? hulls->filter.away[0] : 0, 0};
     static struct edge_values edges;
     static const uint32_t number = 7;
     leaf.numbers = &number;
     *of = (struct bundle_vector){.nearest = {INFINITY, INFINITY, 1, 1, MLRT_NONE}};
     for (int i = 0; i < 2; i++) of->slope[i] = tile.rays[0].term[i][0];
-    for (int i = 0; i < 3; i++) of->to_waist[i] = has_places ? tile.rays[0].to_waist[i][0] : 0;
-    find_edges(&leaf, has_places, &edges);
+    for (int i = 0; i < 3; i++) of->to_waist[i] = has_intercepts ? tile.rays[0].to_waist[i][0] : 0;
+    find_edges(&leaf, has_intercepts, &edges);
     if (!edges.of_vector[0]) return -1;
     const float inner = edges.inner[0][0], bound = edges.bound[0];
     const vm inside = v_gt(inner, bound), may = v_ge(inner, -bound);
     const uint32_t undecided =
-        test_distances(&leaf, 0, &bounds, tile.rays[0].begin, has_places, may, inside, of, plane);
+        test_distances(&leaf, 0, &bounds, tile.rays[0].begin, has_intercepts, may, inside, of, plane);
     return of->nearest.triangle == number ? 1 : undecided ? 0 : -1;
 }
 
 /* Decisions about a ray, also where edges, D or N hardly differ from 0. */
-static double decisions_over(const float *input, int has_places)
+static double decisions_over(const float *input, int has_intercepts)
 {
     struct bundle_vector of;
     struct plane_of_rays plane;
-    if (!bundle_of(input, 1, has_places)) return -1;
+    if (!bundle_of(input, 1, has_intercepts)) return -1;
     set_up_triangle(input);
     find_n(0);
     turn_as_leaf();
     const int side = mpf_sgn(truth);
-    if (!has_places) {
+    if (!has_intercepts) {
         if (!leaf.state.doubtful && side <= 0) return INFINITY;
         mlrt_settle_signs(&tree_of_one, &bundle.waist, &leaf);
         find_n(0);
@@ -920,9 +927,9 @@ static double decisions_over(const float *input, int has_places)
             return INFINITY;
         if (!leaf.state.from_waist) return 0;
     }
-    const int hit = find_hit(0, 0), decision = test_ray(has_places, &of, &plane);
+    const int hit = find_hit(0, 0), decision = test_ray(has_intercepts, &of, &plane);
     if ((decision > 0 && hit <= 0) || (decision < 0 && hit >= 0)) return INFINITY;
-    if (hit >= 0 && is_cut(has_places)) return INFINITY;
+    if (hit >= 0 && is_cut(has_intercepts)) return INFINITY;
     find_d(0);
     turn_as_leaf();
     set_scale(divisors[NORMAL_DIVISOR], tile.rays[0].pace[0]);
@@ -940,18 +947,18 @@ static double attack_apex_decisions(const float *input)
 }
 
 /* Bounds of D or of N as they are kept of a hit, in units of size / |d_main| or of size. */
-static double ends_over(const float *input, int is_distance, int has_places)
+static double ends_over(const float *input, int is_distance, int has_intercepts)
 {
     struct bundle_vector of;
     struct plane_of_rays plane;
-    if (!bundle_of(input, 1, has_places)) return -1;
+    if (!bundle_of(input, 1, has_intercepts)) return -1;
     set_up_triangle(input);
     const struct plane_bounds bounds = {PLANE_BOUND * bundle.hulls.filter.reach[0],
-                                        has_places ? bundle.hulls.filter.away[0] : 0, 0};
-    (void)test_ray(has_places, &of, &plane);
+                                        has_intercepts ? bundle.hulls.filter.away[0] : 0, 0};
+    (void)test_ray(has_intercepts, &of, &plane);
     of.nearest.least_n = of.nearest.greatest_n = INFINITY;
     of.nearest.triangle = MLRT_NONE;
-    test_distances(&leaf, 0, &bounds, tile.rays[0].begin, has_places, 1, 0xFFFFFFFFu, &of, &plane);
+    test_distances(&leaf, 0, &bounds, tile.rays[0].begin, has_intercepts, 1, 0xFFFFFFFFu, &of, &plane);
     if (of.nearest.triangle == MLRT_NONE) return -1;
     if (is_distance) {
         find_n(0);
@@ -990,21 +997,21 @@ static double attack_apex_n(const float *input)
  * must be between the ends that are kept. Of one ray these are near enough to each other to say how much of them is
  * used.
  */
-static double covers_over(const float *input, int has_places)
+static double covers_over(const float *input, int has_intercepts)
 {
     static struct mlrt_worker worker;
     static const struct mlrt_job job = {.tree = &tree_of_one, .any = 0};
     struct triangles_of_hulls of;
     double worst = 0.001;
     const int count = input[FUSED] > 0 && bits_of_float(input[FUSED]) & 1 ? 2 : 1;
-    if (!bundle_of(input, count, has_places)) return -1;
+    if (!bundle_of(input, count, has_intercepts)) return -1;
     set_up_triangle(input);
-    if (!has_places) {
+    if (!has_intercepts) {
         mlrt_settle_signs(&tree_of_one, &bundle.waist, &leaf);
         if (!leaf.state.from_waist) return -1;
     }
-    see_triangles(&(struct hull_pairs){&bundle.hulls, &leaf, 0, 0, 1, has_places}, &of);
-    bound_depths(&bundle.hulls, &leaf, 0, 0, has_places, &of);
+    see_triangles(&(struct hull_pairs){&bundle.hulls, &leaf, 0, 0, 1, has_intercepts}, &of);
+    bound_depths(&bundle.hulls, &leaf, 0, 0, has_intercepts, &of);
     tile.packets[0].nearest.triangle[0] = MLRT_NONE;
     const uint32_t may = offer_to_packets(&job, &worker, &bundle, &leaf, 0, 1);
     const int is_covered = bundle.hulls.closed.cover[0] == 0;
@@ -1012,11 +1019,11 @@ static double covers_over(const float *input, int has_places)
     if (of.out && (may || is_covered)) return INFINITY;
     for (int ray = 0; ray < count; ray++) {
         const int hit = find_hit(ray, 0), of_line = find_hit(ray, 1);
-        if (of.out && (has_places ? of_line : hit) >= 0) return INFINITY;
+        if (of.out && (has_intercepts ? of_line : hit) >= 0) return INFINITY;
         if (of.inside && of_line <= 0) return INFINITY;
         if (is_covered && hit <= 0) return INFINITY;
         if (!may && !is_covered && hit >= 0) return INFINITY;
-        if (hit >= 0 && bundle.state.going && is_cut(has_places)) return INFINITY;
+        if (hit >= 0 && bundle.state.going && is_cut(has_intercepts)) return INFINITY;
         if (!of.sure) continue;
         find_d(ray);
         turn_as_leaf();
@@ -1038,7 +1045,7 @@ static double covers_over(const float *input, int has_places)
         const float depth = (float)mpf_get_d(truth), last = mpf_cmp_d(truth, depth) > 0 ? next_float(depth, 1) : depth;
         const float first = mpf_cmp_d(truth, depth) < 0 ? next_float(depth, -1) : depth;
         for (int end = 0; end < 2 && fabsf(depth) < FLT_MAX; end++) {
-            (void)finish_bundle(has_places);
+            (void)finish_bundle(has_intercepts);
             bundle.state.going = bundle.state.closed = 1;
             if (end) bundle.hulls.last[0] = last;
             if (!end) bundle.hulls.first[0] = first;
@@ -1215,7 +1222,7 @@ static double size_of_line(const float *first, const float *second)
 }
 
 /* F of a ray over its bound, and the sides of the line that it is said to be on. */
-static double lines_over(const float *input, int has_places)
+static double lines_over(const float *input, int has_intercepts)
 {
     static struct mlrt_worker worker;
     static struct mlrt_known_plane planes[1];
@@ -1234,7 +1241,7 @@ static double lines_over(const float *input, int has_places)
         }
         worker.known.planes = planes;
     }
-    if (!bundle_of(input, 1, has_places)) return -1;
+    if (!bundle_of(input, 1, has_intercepts)) return -1;
     memcpy(both[0].v, input, sizeof both[0].v);
     memcpy(both[1].v, input + SECOND, sizeof both[1].v);
     if (!mlrt_triangle_has_area(&both[0]) || !mlrt_triangle_has_area(&both[1])) return -1;
@@ -1283,7 +1290,7 @@ static void draw_bundle(struct random *random, const struct bound *bound, float 
         if (alike == 0 && draw_below(random, 2)) input[i] = next_float(base, (int)draw_below(random, 17) - 8);
         if (draw_below(random, 4) == 0) base = input[i];
     }
-    if (draw_below(random, 3) == 0) { /* a corner near the waist: places weigh most in edge functions */
+    if (draw_below(random, 3) == 0) { /* a corner near the waist: intercepts weigh most in edge functions */
         const float near = ldexpf(1, -(int)draw_below(random, 24));
         for (int k = 0; k < 3; k++) input[WAIST + k] = input[k] + near * draw_range(random, -1, 1) * input[3 + k];
     }
@@ -1335,8 +1342,8 @@ static void draw_pair(struct random *random, const struct bound *bound, float *i
 /* ---- ends of cells ----------------------------------------------------------------------------------------------- */
 
 /*
- * Inputs: the corners of a triangle, the point that is subtracted from those of rays, two such points, and a number: its
- * sign says whether rays are parallel, its lowest bit whether all are multiplied by 2^67.
+ * Inputs: the corners of a triangle, the point that is subtracted from those of rays, two such points, and a number:
+ * its sign says whether rays are parallel, its lowest bit whether all are multiplied by 2^67.
  */
 enum { FROM = 9, POINTS = 12, KIND = 18, INPUT_COUNT_OF_ENDS = 19, END_COUNT = 2 };
 
@@ -1503,7 +1510,7 @@ static void bounds_in_double_hold(void **state)
 static void bounds_of_bundles_hold(void **state)
 {
     static const struct bound bounds[] = {
-        {"bundles: place", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_place, 0.35, NULL},
+        {"bundles: intercept", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_intercept, 0.35, NULL},
         {"bundles: hull", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_hull, 0.2, NULL},
         {"bundles: box", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_box, 0.2, NULL},
         {"bundles: boxes that are met", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_box_met, 0, NULL},
@@ -1519,7 +1526,7 @@ static void bounds_of_bundles_hold(void **state)
     for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) attack_bound(&bounds[i], draw_bundle, 10, STEP_COUNT);
 }
 
-/* Rays that all begin at the waist: no places, and a triangle's terms have the sign of N there. */
+/* Rays that all begin at the waist: no intercepts, and a triangle's terms have the sign of N there. */
 static void bounds_from_the_waist_hold(void **state)
 {
     static const struct bound bounds[] = {

@@ -7,10 +7,10 @@
  *
  * Of each ray two numbers across and one depth are computed. The waist of rays from a point is that point: the numbers
  * are slopes, and the depth is where the ray to a light ends. The waist of parallel rays is in the middle of the scene:
- * the numbers are places of the origin, and the depth is where the ray begins.
+ * the numbers are j and l of the origin, and the depth is where the ray begins.
  *
- * Slopes and places are computed as in ray_hulls.h, so L2, L3 and L10 bound them. As in corner_slopes.h, SLOPE_FLOOR is
- * added to the slopes of rays from a point, which may be denormal.
+ * Slopes and intercepts are computed as in ray_hulls.h, so L2, L3 and L10 bound them. As in corner_slopes.h,
+ * SLOPE_FLOOR is added to the slopes of rays from a point, which may be denormal.
  */
 #ifndef MLRT_TRACE_ARRAY_CELLS_H
 #define MLRT_TRACE_ARRAY_CELLS_H
@@ -21,10 +21,10 @@
 
 /* Extremes of the rays of a tile, for each lane of a vector apart. */
 struct array_extremes {
-    struct extremes across[2]; /* slopes; or places */
+    struct extremes across[2]; /* slopes; or intercepts */
     struct extremes box[3];    /* of points, from the main axis on (cell_ends.h) */
     struct extremes depth;     /* |d_main|, not in units; or depths of origins */
-    vf sum;                    /* of all |slopes| or |places|: NaN or infinite if one of them is */
+    vf sum;                    /* of all |slopes| or |intercepts|: NaN or infinite if one of them is */
 };
 
 /* What is known of a block, or of a tile. */
@@ -42,7 +42,7 @@ static int corners_skip_one(const struct mlrt_array_layout *skip, size_t element
     return !memcmp(first, first + across, 8) && !memcmp(first, last, 8) && !memcmp(first, last + across, 8);
 }
 
-/* Extends `of` by the rays of a block. A hull needs slopes and places of all rays that are finite, and no NaN. */
+/* Extends `of` by the rays of a block. A hull needs slopes and intercepts of all rays that are finite, and no NaN. */
 static MLRT_NOINLINE enum array_kind add_block(const struct mlrt_array_cells *cells, size_t element,
                                                const struct mlrt_waist *waist, struct array_extremes *of)
 {
@@ -111,7 +111,7 @@ static enum array_kind set_array_cell(struct mlrt_array_cells *cells, const stru
     int fits = cells->are_parallel || (near >= LEAST_PACE && far <= GREATEST_PACE);
     for (int i = 0; i < 2; ++i) {
         const float lo = least[i], hi = -least[2 + i];
-        struct mlrt_hull_row *slope = &hulls->term[MLRT_SLOPE_J + i], *at = &hulls->term[MLRT_PLACE_J + i];
+        struct mlrt_hull_row *slope = &hulls->term[MLRT_SLOPE_J + i], *at = &hulls->term[MLRT_INTERCEPT_J + i];
         slope->lo[place] = cells->are_parallel ? cells->slope[i] : lo - SLOPE_FLOOR;
         slope->hi[place] = cells->are_parallel ? cells->slope[i] : hi + SLOPE_FLOOR;
         if (cells->are_parallel) at->lo[place] = lo, at->hi[place] = hi;

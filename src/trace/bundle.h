@@ -3,12 +3,13 @@
  * A bundle: the rays of a tile that share a main axis and its sign, described relative to a waist.
  *
  * The waist w is a point near where the rays come closest to each other. Relative to it, a point p has a depth
- * z = +-(p_main - w_main), with the sign of the axis, so that depth grows along all rays; and two places
- * x_j = p_j - w_j, over the axes main + 1 and main + 2. The origin of a ray, in the same terms, is o.
+ * z = +-(p_main - w_main), with the sign of the axis, so that depth grows along all rays; and the
+ * components p_j - w_j and p_l - w_l, over the axes main + 1 and main + 2. The origin of a ray, in the same terms, is
+ * o.
  *
- * A ray is described by its slopes s_j = d_j / |d_main| and its places x_j = o_j - s_j o_main at depth 0: at depth z it
- * is at x + s z. Rays that start at one point, or end at one, have places of 0 or nearly 0; parallel rays have one
- * slope; other rays that are alike have small ranges of both.
+ * A ray is described by its slopes s_j = d_j / |d_main| and its intercepts x_j = o_j - s_j o_main at depth 0: at depth
+ * z it is at x + s z. Rays that start at one point, or end at one, have intercepts of 0 or nearly 0; parallel rays have
+ * one slope; other rays that are alike have small ranges of both.
  *
  * Distances along a ray are measured in depth from its origin: tau = t |d_main|. Hits have no negative tau, and of two
  * hits the nearer one has the smaller tau.
@@ -31,7 +32,7 @@
 /* How far edge functions of rays that start at the waist are off, in units of size times R (leaf.h, EDGES). */
 #define EDGE_ERROR (MLRT_GUESS ? 0 : 14 * 0x1p-24f)
 
-/* The axis of the slope and the place `side` (0: j, 1: l) of a bundle with this main axis. */
+/* The axis of the slope and the intercept `side` (0: j, 1: l) of a bundle with this main axis. */
 MLRT_INLINE int mlrt_slope_axis(int main_axis, int side)
 {
     const int axis = main_axis + 1 + side;
@@ -56,21 +57,21 @@ static inline void mlrt_set_main_axis(const float direction[3], struct mlrt_wais
     waist->is_beam = 0;
 }
 
-/* The terms of a ray, in which edge functions are linear (leaf.h): slopes, places, and the cross product of both. */
+/* What edge functions are linear in (leaf.h), of a ray: slopes, intercepts, and the cross product of these. */
 enum mlrt_ray_term {
     MLRT_SLOPE_J,
     MLRT_SLOPE_L,
-    MLRT_PLACE_J,
-    MLRT_PLACE_L,
+    MLRT_INTERCEPT_J,
+    MLRT_INTERCEPT_L,
     MLRT_MOMENT, /* s_l x_j - s_j x_l */
     MLRT_RAY_TERMS
 };
 
 /* The rays of a packet, lane by lane. */
 struct mlrt_bundle_rays {
-    MLRT_ALIGNED(64) float term[MLRT_RAY_TERMS][MLRT_PACKET_RAYS]; /* without places only the slopes */
+    MLRT_ALIGNED(64) float term[MLRT_RAY_TERMS][MLRT_PACKET_RAYS]; /* without intercepts only the slopes */
     MLRT_ALIGNED(64)
-    float to_waist[3][MLRT_PACKET_RAYS];            /* -o: depth, place j, place l; without places only the depth */
+    float to_waist[3][MLRT_PACKET_RAYS];            /* -o: depth, j, l; without intercepts only the depth */
     MLRT_ALIGNED(64) float pace[MLRT_PACKET_RAYS];  /* |d_main| in units */
     MLRT_ALIGNED(64) float begin[MLRT_PACKET_RAYS]; /* tau of t_min: hits lie beyond it */
     MLRT_ALIGNED(64) float lo[MLRT_PACKET_RAYS];    /* bounds of tau: of the nearest hit so far, or t_max */
@@ -88,7 +89,7 @@ struct mlrt_filter_hulls {
     MLRT_ALIGNED(64) float middle[MLRT_RAY_TERMS][MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) float radius[MLRT_RAY_TERMS][MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) float reach[MLRT_BUNDLE_PACKETS]; /* R */
-    MLRT_ALIGNED(64) float blur[MLRT_BUNDLE_PACKETS];  /* 13 u X + 4 u R A + 2^-140: of places, in L5 */
+    MLRT_ALIGNED(64) float blur[MLRT_BUNDLE_PACKETS];  /* 13 u X + 4 u R A + 2^-140: of intercepts, in L5 */
     MLRT_ALIGNED(64) float away[MLRT_BUNDLE_PACKETS];  /* A */
 };
 
@@ -103,14 +104,14 @@ struct mlrt_closed_packets {
 };
 
 /*
- * The hulls of packets: bounds of the rays of each. `term` has the extremes as they were computed. `slope`, `place`,
- * `first` and `last` are moved apart, by more than rounding can change. A packet that has left the bundle has first =
- * inf, last = -inf.
+ * The hulls of packets: bounds of the rays of each. `term` has the extremes as they were computed. `slope`,
+ * `intercept`, `first` and `last` are moved apart, by more than rounding can change. A packet that has left the bundle
+ * has first = inf, last = -inf.
  */
 struct mlrt_hulls {
     struct mlrt_hull_row term[MLRT_RAY_TERMS];
     struct mlrt_hull_row slope[2];
-    struct mlrt_hull_row place[2];
+    struct mlrt_hull_row intercept[2];
     MLRT_ALIGNED(64) float first[MLRT_BUNDLE_PACKETS]; /* depths between which rays look for hits */
     MLRT_ALIGNED(64) float last[MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) float begin[MLRT_BUNDLE_PACKETS]; /* the greatest tau of a t_min */
@@ -122,8 +123,8 @@ struct mlrt_hulls {
 struct mlrt_hull {
     float slope_lo[2];
     float slope_hi[2];
-    float place_lo[2];
-    float place_hi[2];
+    float intercept_lo[2];
+    float intercept_hi[2];
     float first;
     float last;
 };
@@ -139,9 +140,9 @@ struct mlrt_array_cells;
 
 /* What the rays of a bundle have. */
 struct mlrt_bundle_traits {
-    int places; /* 0: all rays start at the waist, and all places are 0 */
-    int apex;   /* the waist is the origin of rays */
-    int begins; /* at least one t_min is above 0 */
+    int intercepts; /* 0: all rays start at the waist, and all intercepts are 0 */
+    int apex;       /* the waist is the origin of rays */
+    int begins;     /* at least one t_min is above 0 */
 };
 
 /* The scene, as a bundle sees it. */
@@ -211,7 +212,7 @@ struct mlrt_leaf_outlines {
 struct mlrt_leaf_edges {
     MLRT_ALIGNED(64) float constant[3][MLRT_BVH_LEAF_LIMIT];
     MLRT_ALIGNED(64) float coefficient[3][MLRT_RAY_TERMS][MLRT_BVH_LEAF_LIMIT];
-    MLRT_ALIGNED(64) float steepness[MLRT_BVH_LEAF_LIMIT]; /* rho: the weight of places in their errors */
+    MLRT_ALIGNED(64) float steepness[MLRT_BVH_LEAF_LIMIT]; /* rho: the weight of intercepts in their errors */
 };
 
 struct mlrt_leaf_planes {
@@ -222,9 +223,9 @@ struct mlrt_leaf_planes {
 
 /* The set-up of a leaf, which bundles with one waist share. Arrays and masks have an entry for each place. */
 struct mlrt_bundle_leaf {
-    int32_t axis;       /* the main axis; ~axis if rays go down it */
-    int32_t has_places; /* 0: set up only for rays that start at the waist */
-    uint32_t row;       /* floats in a row of corners */
+    int32_t axis;           /* the main axis; ~axis if rays go down it */
+    int32_t has_intercepts; /* 0: set up only for rays that start at the waist */
+    uint32_t row;           /* floats in a row of corners */
     const uint32_t *numbers;
     const float *corners;
     struct mlrt_leaf_state state;

@@ -27,7 +27,7 @@ void mlrt_begin_cells(uint32_t there, struct mlrt_bundle *bundle)
     bundle->state.going = bundle->state.closed = bundle->state.apexes = there;
     bundle->ends_at_skip = 0;
     bundle->arrays = NULL;
-    memset(hulls->term + MLRT_PLACE_J, 0, 2 * sizeof *hulls->term);
+    memset(hulls->term + MLRT_INTERCEPT_J, 0, 2 * sizeof *hulls->term);
     memset(hulls->first, 0, sizeof hulls->first);
     memset(hulls->begin, 0, sizeof hulls->begin);
     memset(hulls->filter.away, 0, sizeof hulls->filter.away);

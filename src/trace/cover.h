@@ -12,8 +12,8 @@
  *
  *     N = n . (a - w) - n_j x_j - n_l x_l.
  *
- * A place as computed is off by no more than blur (bundle.h), and |n_j|, |n_l| <= 2 in units of the size of n. So N
- * over the hull is off by DISTANCE_ERROR F + 4 blur. Twice that is taken, which covers the roundings of middle and
+ * An intercept as computed is off by no more than blur (bundle.h), and |n_j|, |n_l| <= 2 in units of the size of n. So
+ * N over the hull is off by DISTANCE_ERROR F + 4 blur. Twice that is taken, which covers the roundings of middle and
  * radius. D is off by PLANE_BOUND R, as in leaf.h.
  *
  * If D has one certain sign, which is made +1, z lies between two quotients: of the least N and of the greatest N, each
@@ -60,20 +60,20 @@
 
 /* Bounds N over the hulls, and sets the depths `near` and `far`, which hold where `sure`. */
 MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
-                              int v, int has_places, struct triangles_of_hulls *of)
+                              int v, int has_intercepts, struct triangles_of_hulls *of)
 {
     const vm backward = of->backward;
     vf middle = v_set1(leaf->planes.distance[triangle]), radius = v_set1(0), error = v_set1(0);
     if (!MLRT_GUESS) {
         error = v_set1(2 * DISTANCE_ERROR * leaf->planes.away[triangle] + 2 * DISTANCE_FLOOR);
-        error = v_mul_add(v_load(hulls->filter.blur + v), v_set1(has_places ? 8 : 0), error);
+        error = v_mul_add(v_load(hulls->filter.blur + v), v_set1(has_intercepts ? 8 : 0), error);
     }
-    if (has_places) {
+    if (has_intercepts) {
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const vf n = v_set1(leaf->planes.normal[1 + i][triangle]);
-            middle = v_sub(middle, v_mul(n, v_load(hulls->filter.middle[MLRT_PLACE_J + i] + v)));
-            radius = v_mul_add(v_abs(n), v_load(hulls->filter.radius[MLRT_PLACE_J + i] + v), radius);
+            middle = v_sub(middle, v_mul(n, v_load(hulls->filter.middle[MLRT_INTERCEPT_J + i] + v)));
+            radius = v_mul_add(v_abs(n), v_load(hulls->filter.radius[MLRT_INTERCEPT_J + i] + v), radius);
         }
     }
     const vf width = v_mul(v_load(hulls->filter.reach + v), v_set1(PLANE_BOUND)), zero = v_set1(0);
@@ -305,7 +305,7 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
 static MLRT_NOINLINE void find_open_edges(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                           uint32_t triangle, int v, uint32_t backward, uint32_t open[3])
 {
-    const struct hull_pairs pairs = {&bundle->hulls, leaf, (uint32_t)v, triangle, 1, bundle->has.places};
+    const struct hull_pairs pairs = {&bundle->hulls, leaf, (uint32_t)v, triangle, 1, bundle->has.intercepts};
     const vm turned = m_from_bits(leaf->state.flipped >> triangle & 1 ? ~backward : backward);
     const vf bound = edge_bounds(&pairs, 2);
     for (int i = 0; i < 3; ++i) {
@@ -320,7 +320,7 @@ static MLRT_NOINLINE void find_open_edges(const struct mlrt_bundle *bundle, cons
 MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_job *job, struct mlrt_worker *worker,
                                                             struct mlrt_bundle *bundle,
                                                             const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
-                                                            uint32_t among, int has_places)
+                                                            uint32_t among, int has_intercepts)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     const uint32_t number = leaf->numbers[triangle];
@@ -329,13 +329,13 @@ MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_jo
         const uint32_t asked = among >> v & ALL_LANES;
         if (!asked) continue;
         struct triangles_of_hulls of;
-        const struct hull_pairs pairs = {hulls, leaf, (uint32_t)v, triangle, 1, has_places};
+        const struct hull_pairs pairs = {hulls, leaf, (uint32_t)v, triangle, 1, has_intercepts};
         see_triangles(&pairs, &of);
         if (!(asked & ~m_bits(of.out) & bundle->state.closed >> v)) {
             offered.may |= (asked & ~m_bits(of.out)) << v;
             continue;
         }
-        bound_depths(hulls, leaf, triangle, v, has_places, &of);
+        bound_depths(hulls, leaf, triangle, v, has_intercepts, &of);
         if (leaf->state.flipped >> triangle & 1) of.backward = m_andnot(of.sure, of.backward); /* of D, not of -D */
         const vf last = v_load(hulls->last + v), cover_near = v_load(hulls->closed.cover_near + v);
         const vm beside = m_or(v_gt(of.near, last), v_lt(of.far, v_load(hulls->first + v))),
@@ -418,7 +418,7 @@ static MLRT_NOINLINE uint32_t offer_to_packets(const struct mlrt_job *job, struc
                                                struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                                uint32_t triangle, uint32_t among)
 {
-    const struct mlrt_offered_packets of = bundle->has.places
+    const struct mlrt_offered_packets of = bundle->has.intercepts
                                                ? offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 1)
                                                : offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 0);
     uint32_t may = of.may & among & ~of.covered, covered = of.covered;

@@ -26,7 +26,7 @@ struct hull_pairs {
     uint32_t place;    /* of the packet, or of the first */
     uint32_t triangle; /* the triangle, or the first */
     int are_packets;
-    int has_places;
+    int has_intercepts;
 };
 
 /* The numbers of pairs in a row of hulls, and in one of a leaf. */
@@ -61,14 +61,14 @@ MLRT_INLINE void bound_edge(const struct hull_pairs *pairs, int i, vf *least, vf
 {
     const struct mlrt_leaf_edges *edges = &pairs->leaf->edges;
     bound_over_hulls(pairs, edges->constant[i], (const float(*)[MLRT_BVH_LEAF_LIMIT])edges->coefficient[i],
-                     pairs->has_places ? MLRT_RAY_TERMS : 2, least, greatest);
+                     pairs->has_intercepts ? MLRT_RAY_TERMS : 2, least, greatest);
 }
 
 /* Error bounds of edge functions for the rays of packets (L5), so many times. */
 MLRT_INLINE vf edge_bounds(const struct hull_pairs *pairs, float times)
 {
     const vf reach = hull_row(pairs, pairs->hulls->filter.reach), bound = v_mul(reach, v_set1(times * EDGE_ERROR));
-    if (!pairs->has_places || MLRT_GUESS) return bound;
+    if (!pairs->has_intercepts || MLRT_GUESS) return bound;
     const vf steepness = v_mul(leaf_row(pairs, pairs->leaf->edges.steepness), v_set1(times));
     return v_mul_add(steepness, v_mul(hull_row(pairs, pairs->hulls->filter.blur), reach), bound);
 }
@@ -109,13 +109,13 @@ MLRT_INLINE void see_triangles(const struct hull_pairs *pairs, struct triangles_
     const vf width = v_mul(hull_row(pairs, pairs->hulls->filter.reach), v_set1(2 * PLANE_BOUND));
     const vm below = v_lt(lowest, v_sub(zero, bound)), above = v_gt(highest, bound);
     const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(zero, width));
-    if (pairs->has_places) {
+    if (pairs->has_intercepts) {
         of->out = m_or(m_and(below, m_or(above, forward)), m_and(above, backward));
     } else {
         of->out = pairs->are_packets ? m_or(below, backward) : below;
     }
     of->inside = m_and(forward, v_gt(inner_low, bound));
-    if (pairs->has_places) of->inside = m_or(of->inside, m_and(backward, v_lt(inner_high, v_sub(zero, bound))));
+    if (pairs->has_intercepts) of->inside = m_or(of->inside, m_and(backward, v_lt(inner_high, v_sub(zero, bound))));
     of->sure = m_or(forward, backward);
     of->backward = backward;
     of->least_d = least;
@@ -124,11 +124,11 @@ MLRT_INLINE void see_triangles(const struct hull_pairs *pairs, struct triangles_
 
 /* Returns the triangles of `among` that the rays of a packet may hit, by their edges. */
 MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                            uint32_t place, int has_places, uint32_t among)
+                                            uint32_t place, int has_intercepts, uint32_t among)
 {
     uint32_t met = 0;
     for (uint32_t v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
-        const struct hull_pairs pairs = {&bundle->hulls, leaf, place, v, 0, has_places};
+        const struct hull_pairs pairs = {&bundle->hulls, leaf, place, v, 0, has_intercepts};
         struct triangles_of_hulls of;
         if (!(among >> v & ALL_LANES)) continue;
         see_triangles(&pairs, &of);
@@ -139,19 +139,19 @@ MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, co
 
 /* Returns the triangles of `seen` that a packet may hit, by outlines and then by edges. */
 MLRT_INLINE uint32_t cut_triangles_by(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                      uint32_t place, int has_places, uint32_t seen)
+                                      uint32_t place, int has_intercepts, uint32_t seen)
 {
     struct mlrt_hull hull;
     take_hull(bundle, place, &hull);
-    const uint32_t met = triangles_met(bundle, leaf, &hull, has_places, seen);
-    return met ? triangles_within_edges(bundle, leaf, place, has_places, met) : 0;
+    const uint32_t met = triangles_met(bundle, leaf, &hull, has_intercepts, seen);
+    return met ? triangles_within_edges(bundle, leaf, place, has_intercepts, met) : 0;
 }
 
 static MLRT_NOINLINE uint32_t cut_triangles(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                             uint32_t place, uint32_t seen)
 {
-    return bundle->has.places ? cut_triangles_by(bundle, leaf, place, 1, seen)
-                              : cut_triangles_by(bundle, leaf, place, 0, seen);
+    return bundle->has.intercepts ? cut_triangles_by(bundle, leaf, place, 1, seen)
+                                  : cut_triangles_by(bundle, leaf, place, 0, seen);
 }
 
 #endif

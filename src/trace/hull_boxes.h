@@ -3,10 +3,10 @@
  * Hulls against boxes: which boxes a bundle, its packets and their rays may meet.
  *
  * ERRORS (L12 of docs/accuracy.md, "Bundles"), u = 2^-24. At depth z a ray is at x_j + s_j z. Of a box, c = fl(c_j -
- * w_j) and z = fl(c_main - w_main) are off by u of themselves; the product with a slope, and its sum with a place, by u
- * each. Slopes and places of hulls are moved apart by SLOPE_SLACK, 2^-20 of themselves, and places by PLACE_ERROR R A
- * as well: these are 16 u |s| |z| and 16 u |x|. A box is compared as c <= fl(x + fl(s z)). Both sides are off by at
- * most 3 u |s z| + 3 u (|x| + |s z|); u |c| matters only where c is as large as the other side.
+ * w_j) and z = fl(c_main - w_main) are off by u of themselves; the product with a slope, and its sum with an intercept,
+ * by u each. Slopes and intercepts of hulls are moved apart by SLOPE_SLACK, 2^-20 of themselves, and intercepts by
+ * INTERCEPT_ERROR R A as well: these are 16 u |s| |z| and 16 u |x|. A box is compared as c <= fl(x + fl(s z)). Both
+ * sides are off by at most 3 u |s z| + 3 u (|x| + |s z|); u |c| matters only where c is as large as the other side.
  *
  * Based on: I. Wald, S. Boulos, P. Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies",
  * 2007 (frusta against boxes).
@@ -25,22 +25,22 @@
 #include "trace/ray_tile.h"
 
 /*
- * The greatest and the least place, over one axis, that rays with these slopes and places can have between the depths
+ * The greatest and the least that rays with these slopes and intercepts can have of one component between the depths
  * `from` and `to`. If `to` is infinite, its product with a slope 0 is a NaN, which v_max and v_min drop, as it is their
  * first operand.
  */
-MLRT_INLINE vf upper_place(vf from, vf to, vf slope_lo, vf slope_hi, vf place_hi, int has_places)
+MLRT_INLINE vf greatest_across(vf from, vf to, vf slope_lo, vf slope_hi, vf intercept_hi, int has_intercepts)
 {
-    if (!has_places) return v_max(v_mul(slope_hi, to), v_mul(slope_hi, from));
-    return v_add(place_hi, v_max(v_max(v_mul(slope_hi, to), v_mul(slope_hi, from)),
-                                 v_max(v_mul(slope_lo, to), v_mul(slope_lo, from))));
+    if (!has_intercepts) return v_max(v_mul(slope_hi, to), v_mul(slope_hi, from));
+    return v_add(intercept_hi, v_max(v_max(v_mul(slope_hi, to), v_mul(slope_hi, from)),
+                                     v_max(v_mul(slope_lo, to), v_mul(slope_lo, from))));
 }
 
-MLRT_INLINE vf lower_place(vf from, vf to, vf slope_lo, vf slope_hi, vf place_lo, int has_places)
+MLRT_INLINE vf least_across(vf from, vf to, vf slope_lo, vf slope_hi, vf intercept_lo, int has_intercepts)
 {
-    if (!has_places) return v_min(v_mul(slope_lo, to), v_mul(slope_lo, from));
-    return v_add(place_lo, v_min(v_min(v_mul(slope_hi, to), v_mul(slope_hi, from)),
-                                 v_min(v_mul(slope_lo, to), v_mul(slope_lo, from))));
+    if (!has_intercepts) return v_min(v_mul(slope_lo, to), v_mul(slope_lo, from));
+    return v_add(intercept_lo, v_min(v_min(v_mul(slope_hi, to), v_mul(slope_hi, from)),
+                                     v_min(v_mul(slope_lo, to), v_mul(slope_lo, from))));
 }
 
 /*
@@ -49,9 +49,9 @@ MLRT_INLINE vf lower_place(vf from, vf to, vf slope_lo, vf slope_hi, vf place_lo
  * infinite: then a product with a slope 0 is a NaN, which v_max drops as its first operand. Not all slopes are 0, by
  * HULL_FLOOR.
  */
-MLRT_INLINE vf greatest_product(vf from, vf to, float lo, float hi, int has_places)
+MLRT_INLINE vf greatest_product(vf from, vf to, float lo, float hi, int has_intercepts)
 {
-    if (!has_places) return v_mul(v_set1(hi), hi > 0 ? to : from);
+    if (!has_intercepts) return v_mul(v_set1(hi), hi > 0 ? to : from);
     const int is_up = hi + lo > 0;
     const vf less = v_set1(is_up ? lo : hi), more = v_set1(is_up ? hi : lo), end = is_up ? to : from;
     const vf there = v_max(v_mul(less, end), v_mul(more, end));
@@ -62,7 +62,7 @@ MLRT_INLINE vf greatest_product(vf from, vf to, float lo, float hi, int has_plac
 
 /* Returns the children of a node with boxes that the bundle may meet, and sets `near` to their least depths. */
 MLRT_INLINE uint32_t bundle_children_met(const struct mlrt_bundle *bundle, const struct mlrt_bvh_node *node,
-                                         int has_places, float near[MLRT_BVH_WIDTH])
+                                         int has_intercepts, float near[MLRT_BVH_WIDTH])
 {
     const struct mlrt_waist *waist = &bundle->waist;
     const struct mlrt_hull *whole = &bundle->whole;
@@ -79,13 +79,13 @@ MLRT_INLINE uint32_t bundle_children_met(const struct mlrt_bundle *bundle, const
         for (int i = 0; i < 2; ++i) {
             const int j = mlrt_slope_axis(a, i);
             const float lo = whole->slope_lo[i], hi = whole->slope_hi[i];
-            vf upper = greatest_product(from, to, lo, hi, has_places);
-            vf lower = greatest_product(from, to, -hi, -lo, has_places); /* negated */
+            vf upper = greatest_product(from, to, lo, hi, has_intercepts);
+            vf lower = greatest_product(from, to, -hi, -lo, has_intercepts); /* negated */
             const vf least = v_sub(v_load(node->lo[j] + v), v_set1(waist->point[j]));
             const vf greatest = v_sub(v_set1(waist->point[j]), v_load(node->hi[j] + v));
-            if (has_places) {
-                upper = v_add(upper, v_set1(whole->place_hi[i]));
-                lower = v_sub(lower, v_set1(whole->place_lo[i]));
+            if (has_intercepts) {
+                upper = v_add(upper, v_set1(whole->intercept_hi[i]));
+                lower = v_sub(lower, v_set1(whole->intercept_lo[i]));
             }
             may = m_and(may, m_and(v_le(least, upper), v_le(greatest, lower)));
         }
@@ -95,7 +95,7 @@ MLRT_INLINE uint32_t bundle_children_met(const struct mlrt_bundle *bundle, const
     return met;
 }
 
-/* The box of a child, relative to the waist: from .. to in depth, lo .. hi in places. */
+/* The box of a child, relative to the waist: from .. to in depth, lo .. hi in j and l. */
 struct box_of_bundle {
     float from;
     float to;
@@ -118,8 +118,8 @@ MLRT_INLINE void see_bundle_box(const struct mlrt_waist *waist, const struct mlr
     }
 }
 
-/* Returns the packets that may meet a box. Without places whole.first serves for all: rays start at the waist. */
-MLRT_INLINE uint32_t packets_met(const struct mlrt_bundle *bundle, const struct box_of_bundle *box, int has_places)
+/* Returns the packets that may meet a box. Without intercepts whole.first serves for all: rays start at the waist. */
+MLRT_INLINE uint32_t packets_met(const struct mlrt_bundle *bundle, const struct box_of_bundle *box, int has_intercepts)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
     const float begin = larger_of(box->from, bundle->whole.first);
@@ -127,7 +127,7 @@ MLRT_INLINE uint32_t packets_met(const struct mlrt_bundle *bundle, const struct 
     if (!(box->to >= begin)) return 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         vf from = v_set1(begin), to = v_set1(box->to), last = v_load(hulls->last + v);
-        if (has_places) {
+        if (has_intercepts) {
             from = v_max(from, v_load(hulls->first + v));
             to = last = v_min(to, last);
         }
@@ -135,10 +135,10 @@ MLRT_INLINE uint32_t packets_met(const struct mlrt_bundle *bundle, const struct 
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const vf lo = v_load(hulls->slope[i].lo + v), hi = v_load(hulls->slope[i].hi + v);
-            const vf place_lo = has_places ? v_load(hulls->place[i].lo + v) : lo;
-            const vf place_hi = has_places ? v_load(hulls->place[i].hi + v) : hi;
-            may = m_and(may, v_le(v_set1(box->lo[i]), upper_place(from, to, lo, hi, place_hi, has_places)));
-            may = m_and(may, v_ge(v_set1(box->hi[i]), lower_place(from, to, lo, hi, place_lo, has_places)));
+            const vf intercept_lo = has_intercepts ? v_load(hulls->intercept[i].lo + v) : lo;
+            const vf intercept_hi = has_intercepts ? v_load(hulls->intercept[i].hi + v) : hi;
+            may = m_and(may, v_le(v_set1(box->lo[i]), greatest_across(from, to, lo, hi, intercept_hi, has_intercepts)));
+            may = m_and(may, v_ge(v_set1(box->hi[i]), least_across(from, to, lo, hi, intercept_lo, has_intercepts)));
         }
         met |= m_bits(may) << v;
     }
@@ -155,11 +155,11 @@ MLRT_INLINE uint32_t lanes_of_packet_met(const struct mlrt_bundle *bundle, uint3
     float far = 0;
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
-        far = larger_of(larger_of(fabsf(hulls->place[i].lo[place]), fabsf(hulls->place[i].hi[place])), far);
+        far = larger_of(larger_of(fabsf(hulls->intercept[i].lo[place]), fabsf(hulls->intercept[i].hi[place])), far);
     }
     const float reach = hulls->filter.reach[place];
-    const vf slack =
-        v_set1(SLOPE_SLACK * (far + reach * deepest) + PLACE_ERROR * reach * hulls->filter.away[place] + HULL_FLOOR);
+    const vf slack = v_set1(SLOPE_SLACK * (far + reach * deepest) +
+                            INTERCEPT_ERROR * reach * hulls->filter.away[place] + HULL_FLOOR);
     uint32_t met = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf last = v_sub(v_load(rays->hi + v), v_load(rays->to_waist[0] + v));
@@ -170,7 +170,7 @@ MLRT_INLINE uint32_t lanes_of_packet_met(const struct mlrt_bundle *bundle, uint3
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const vf slope = v_load(rays->term[MLRT_SLOPE_J + i] + v);
-            const vf x = bundle->has.places ? v_load(rays->term[MLRT_PLACE_J + i] + v) : v_set1(0);
+            const vf x = bundle->has.intercepts ? v_load(rays->term[MLRT_INTERCEPT_J + i] + v) : v_set1(0);
             const vf one = v_mul_add(slope, from, x), other = v_mul_add(slope, to, x);
             may = m_and(may, v_le(v_set1(box->lo[i]), v_add(v_max(one, other), slack)));
             may = m_and(may, v_ge(v_set1(box->hi[i]), v_sub(v_min(one, other), slack)));

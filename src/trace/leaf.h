@@ -4,8 +4,8 @@
  * they are off, and the set-ups of leaves. Hulls are compared with them in cuts.h and cover.h, rays in packet_tests.h.
  * L5, L6, ... are the lemmas of docs/accuracy.md, "Bundles", which derive the bounds.
  *
- * WHAT IS COMPUTED. Vectors have the components depth, place j, place l. Let p and q be the ends of an edge relative to
- * the waist w, and g = q - p; let o be the origin of a ray relative to the waist. The ray is at x = (0, x_j, x_l) at
+ * WHAT IS COMPUTED. Vectors have the components depth, j and l (bundle.h). Let p and q be the ends of an edge relative
+ * to the waist w, and g = q - p; let o be the origin of a ray relative to the waist. The ray is at x = (0, x_j, x_l) at
  * depth 0, and goes along d = (1, s_j, s_l). Then
  *
  *     e = d . ((p - x) x g) = C_z + s_j C_j + s_l C_l - x_j g_l + x_l g_j + m g_z,    C = p x g,  m = s_l x_j - s_j x_l
@@ -17,14 +17,14 @@
  * M_z + (M_j + M_l) / 2. The size of an edge function is at least |g| 2^-20, where |g| is the sum of the magnitudes of
  * the components of g. All sizes are at least 2^-100.
  *
- * EDGES, u = 2^-24, in units of size. R, A, X of a packet and E, the error of a place, are defined in ray_hulls.h; rho
- * is the greatest |g| / size of the three edges. The magnitudes of all terms with C sum to at most R times the size:
- * this is why edges are divided by it, and one R serves for all of them. By L5 e is off by no more than
+ * EDGES, u = 2^-24, in units of size. R, A, X of a packet and E, the error of an intercept, are defined in ray_hulls.h;
+ * rho is the greatest |g| / size of the three edges. The magnitudes of all terms with C sum to at most R times the
+ * size: this is why edges are divided by it, and one R serves for all of them. By L5 e is off by no more than
  *
  *     13.001 u R + (8.1 u X + 1.01 E) R rho + 2^-48 R.
  *
- * EDGE_ERROR makes 14 u R of the first term. BLUR_OF_PLACE, PLACE_ERROR and PLACE_FLOOR make 13 u X + 4 u R A + 2^-140
- * of the bracket. The difference covers the last term, and the roundings of the bound itself. If all rays
+ * EDGE_ERROR makes 14 u R of the first term. BLUR_OF_INTERCEPT, INTERCEPT_ERROR and INTERCEPT_FLOOR make 13 u X + 4 u R
+ * A + 2^-140 of the bracket. The difference covers the last term, and the roundings of the bound itself. If all rays
  * start at the waist, 14 u R is enough. Where a processor multiplies and adds at once, there are fewer roundings.
  *
  * DISTANCES. By L6 D is off by 10.001 u R. Let F be the greatest of |z|, 2 |x_j|, 2 |x_l| of corner a relative to the
@@ -101,7 +101,7 @@ MLRT_INLINE vf cross_with_size(const vf p[3], const vf q[3], vf least, vf cross[
 }
 
 /* Sets the coefficients of a vector of triangles. */
-MLRT_INLINE void set_up_vector_by(const struct bundle_corners *corners, uint32_t v, int has_places,
+MLRT_INLINE void set_up_vector_by(const struct bundle_corners *corners, uint32_t v, int has_intercepts,
                                   struct mlrt_bundle_leaf *leaf)
 {
     vf g[3][3], normal[3], steepness = v_set1(0);
@@ -130,9 +130,9 @@ MLRT_INLINE void set_up_vector_by(const struct bundle_corners *corners, uint32_t
         v_store(leaf->edges.constant[i] + v, v_mul(cross[0], factor));
         v_store(leaf->edges.coefficient[i][MLRT_SLOPE_J] + v, v_mul(cross[1], factor));
         v_store(leaf->edges.coefficient[i][MLRT_SLOPE_L] + v, v_mul(cross[2], factor));
-        if (!has_places) continue;
-        v_store(leaf->edges.coefficient[i][MLRT_PLACE_J] + v, v_sub(v_set1(0), v_mul(g[i][2], factor)));
-        v_store(leaf->edges.coefficient[i][MLRT_PLACE_L] + v, v_mul(g[i][1], factor));
+        if (!has_intercepts) continue;
+        v_store(leaf->edges.coefficient[i][MLRT_INTERCEPT_J] + v, v_sub(v_set1(0), v_mul(g[i][2], factor)));
+        v_store(leaf->edges.coefficient[i][MLRT_INTERCEPT_L] + v, v_mul(g[i][1], factor));
         v_store(leaf->edges.coefficient[i][MLRT_MOMENT] + v, v_mul(g[i][0], factor));
         steepness = v_max(v_mul(length, size), steepness);
     }
@@ -159,7 +159,7 @@ MLRT_INLINE int32_t axis_code(const struct mlrt_waist *waist)
 
 /* Begins the set-up of a leaf: finds the places that have a triangle, and sets their outlines. */
 static MLRT_NOINLINE void begin_bundle_leaf(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
-                                            int has_places, uint32_t child, uint32_t mask,
+                                            int has_intercepts, uint32_t child, uint32_t mask,
                                             struct mlrt_bundle_leaf *leaf)
 {
     const uint32_t row = 4 * mlrt_bvh_quad_count(child);
@@ -167,7 +167,7 @@ static MLRT_NOINLINE void begin_bundle_leaf(const struct mlrt_tree *tree, const 
     leaf->numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
     leaf->axis = axis_code(waist);
     leaf->row = row;
-    leaf->has_places = has_places;
+    leaf->has_intercepts = has_intercepts;
     leaf->state.there = leaf->state.flipped = leaf->state.ready = leaf->state.fans = leaf->state.doubtful =
         leaf->state.odd = 0;
     for (uint32_t v = 0; v < row; v += VW) {
@@ -194,7 +194,7 @@ static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const s
         if (!((wanted & ~leaf->state.ready) >> v & ALL_LANES)) continue;
         struct bundle_corners of;
         load_bundle_corners(waist, leaf->corners, leaf->row, v, &of);
-        if (leaf->has_places) {
+        if (leaf->has_intercepts) {
             set_up_vector_by(&of, v, 1, leaf);
         } else {
             set_up_vector_by(&of, v, 0, leaf);
@@ -229,7 +229,7 @@ MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle *bundle, uint32_t child
     const uint32_t place = place_of_leaf(child, bundle->cache);
     const struct mlrt_bundle_leaf *leaf = &bundle->cache->leaves[place];
     return bundle->cache->children[place] == child && leaf->axis == axis_code(&bundle->waist) &&
-           leaf->has_places >= bundle->has.places;
+           leaf->has_intercepts >= bundle->has.intercepts;
 }
 
 /*
@@ -241,18 +241,18 @@ MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_jo
                                                             const struct mlrt_bundle *bundle, uint32_t child,
                                                             const struct mlrt_worker *worker, uint32_t *seen)
 {
-    const int has_places = bundle->has.places;
+    const int has_intercepts = bundle->has.intercepts;
     struct mlrt_bundle_cache *cache = bundle->cache;
     const uint32_t place = place_of_leaf(child, cache);
     struct mlrt_bundle_leaf *leaf = &cache->leaves[place];
     if (!has_bundle_leaf(bundle, child)) {
-        begin_bundle_leaf(job->tree, &bundle->waist, has_places, child, worker->mask, leaf);
+        begin_bundle_leaf(job->tree, &bundle->waist, has_intercepts, child, worker->mask, leaf);
         cache->children[place] = child;
     }
-    *seen = triangles_met(bundle, leaf, &bundle->whole, has_places,
-                          has_places ? leaf->state.there : leaf->state.from_waist);
+    *seen = triangles_met(bundle, leaf, &bundle->whole, has_intercepts,
+                          has_intercepts ? leaf->state.there : leaf->state.from_waist);
     if (*seen & ~leaf->state.ready) set_up_triangles(job->tree, &bundle->waist, *seen & ~leaf->state.ready, leaf);
-    if (MLRT_UNLIKELY(leaf->state.doubtful != 0) && !has_places) {
+    if (MLRT_UNLIKELY(leaf->state.doubtful != 0) && !has_intercepts) {
         mlrt_settle_signs(job->tree, &bundle->waist, leaf);
         *seen &= leaf->state.from_waist;
     }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Outlines: where the triangles of a leaf are as seen from a bundle's waist. An outline is an interval for each of two
- * axes, and a hull whose slopes or places lie outside of one misses the triangle (L16 in docs/accuracy.md, "Bundles").
+ * axes, and a hull whose slopes or intercepts lie outside of one misses the triangle (L16 in docs/accuracy.md,
+ * "Bundles").
  *
  * FANS. Let a triangle lie wholly on one side of the waist: z has one sign. A ray that hits it at p, depth z, has the
  * slope s = p_j / z - x / z. p_j / z lies between its values at the corners, since a projection keeps triangles convex;
@@ -10,13 +11,13 @@
  *     lo <= s_hi + |x| weight   and   hi >= s_lo - |x| weight,    lo, hi of p_j / z,  weight = 1 / least |z|.
  *
  * BEAMS. Other triangles are seen along t, the slope of the waist, which nearly all rays have if they are parallel. A
- * ray that hits p has the place x = (p_j - t z) - (s - t) z. So a hull misses the triangle unless
+ * ray that hits p has the intercept x = (p_j - t z) - (s - t) z. So a hull misses the triangle unless
  *
  *     lo <= x_hi + |s - t| weight   and   hi >= x_lo - |s - t| weight,    lo, hi of p_j - t z,  weight = greatest |z|.
  *
  * ROUNDING, u = 2^-24. p_j and z have one rounding each, 1 / z and the product two more: lo and hi of fans are off by
  * 4 u of themselves, and are moved apart by SLOPE_SLACK, which is 16 u. p_j - t z is off by 4 u (|p_j| + |t z|), and
- * is moved by 16 u of that. Weights have at most two roundings, and are made larger by 16 u. Slopes and places of
+ * is moved by 16 u of that. Weights have at most two roundings, and are made larger by 16 u. Slopes and intercepts of
  * hulls are moved apart by 16 u of themselves and HULL_FLOOR, too (ray_hulls.h): this covers the roundings of the sums.
  *
  * RANGE. |p_j| is at most 2^61. A fan's |z| is more than 2^-60, so p_j / z is less than 2^122. An infinite end would
@@ -34,7 +35,7 @@
 #define LEAST_FAN_DEPTH 0x1p-60f
 
 /* The greatest |x| of a hull. */
-MLRT_INLINE vf greatest_place(vf lo, vf hi)
+MLRT_INLINE vf greatest_intercept(vf lo, vf hi)
 {
     return v_max(v_abs(lo), v_abs(hi));
 }
@@ -55,13 +56,13 @@ MLRT_INLINE void take_hull(const struct mlrt_bundle *bundle, uint32_t place, str
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         of->slope_lo[i] = hulls->slope[i].lo[place], of->slope_hi[i] = hulls->slope[i].hi[place];
-        of->place_lo[i] = hulls->place[i].lo[place], of->place_hi[i] = hulls->place[i].hi[place];
+        of->intercept_lo[i] = hulls->intercept[i].lo[place], of->intercept_hi[i] = hulls->intercept[i].hi[place];
     }
 }
 
 /*
  * Sets the outlines of a vector of triangles, of which `there` exist, from their corners relative to the waist. Fans
- * have a weight only if rays have places; without, it is any number.
+ * have a weight only if rays have intercepts; without, it is any number.
  */
 MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)[3], uint32_t there, uint32_t v,
                               struct mlrt_bundle_leaf *leaf)
@@ -99,27 +100,27 @@ MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)
         v_store(leaf->outline.lo[i] + v, from);
         v_store(leaf->outline.hi[i] + v, to);
     }
-    const vf weight = leaf->has_places ? v_select(is_fan, v_div(v_set1(1), least), greatest) : greatest;
+    const vf weight = leaf->has_intercepts ? v_select(is_fan, v_div(v_set1(1), least), greatest) : greatest;
     v_store(leaf->outline.weight + v, v_mul(weight, wider));
     leaf->state.fans |= m_bits(is_fan) << v;
 }
 
 /*
  * Sets the ends that outlines over one axis are compared with: s -+ |x| weight for fans, x -+ |s - t| weight for beams.
- * For fans without places, these are the ends of the slopes.
+ * For fans without intercepts, these are the ends of the slopes.
  */
 MLRT_INLINE void find_outline_ends(const struct mlrt_waist *waist, int side, vf weight, vm is_fan, int are_fans,
-                                   const vf slope[2], const vf place[2], int has_places, vf ends[2])
+                                   const vf slope[2], const vf intercept[2], int has_intercepts, vf ends[2])
 {
     vf reach = v_set1(0);
     ends[0] = slope[0], ends[1] = slope[1];
-    if (has_places) reach = greatest_place(place[0], place[1]);
+    if (has_intercepts) reach = greatest_intercept(intercept[0], intercept[1]);
     if (MLRT_UNLIKELY(!are_fans)) {
-        ends[0] = v_select(is_fan, ends[0], has_places ? place[0] : v_set1(0));
-        ends[1] = v_select(is_fan, ends[1], has_places ? place[1] : v_set1(0));
+        ends[0] = v_select(is_fan, ends[0], has_intercepts ? intercept[0] : v_set1(0));
+        ends[1] = v_select(is_fan, ends[1], has_intercepts ? intercept[1] : v_set1(0));
         reach = v_select(is_fan, reach, greatest_turn(waist, side, slope[0], slope[1]));
     }
-    if (has_places || !are_fans) {
+    if (has_intercepts || !are_fans) {
         const vf room = v_mul(reach, weight);
         ends[0] = v_sub(ends[0], room);
         ends[1] = v_add(ends[1], room);
@@ -128,7 +129,7 @@ MLRT_INLINE void find_outline_ends(const struct mlrt_waist *waist, int side, vf 
 
 /* Returns the triangles of `among` that rays of a hull may hit, by their outlines. Most leaves have only fans. */
 MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                   const struct mlrt_hull *hull, int has_places, uint32_t among)
+                                   const struct mlrt_hull *hull, int has_intercepts, uint32_t among)
 {
     const int are_fans = !(among & ~leaf->state.fans);
     uint32_t met = 0;
@@ -140,10 +141,10 @@ MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle *bundle, const struc
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const vf slope[2] = {v_set1(hull->slope_lo[i]), v_set1(hull->slope_hi[i])};
-            const vf place[2] = {v_set1(hull->place_lo[i]), v_set1(hull->place_hi[i])};
+            const vf intercept[2] = {v_set1(hull->intercept_lo[i]), v_set1(hull->intercept_hi[i])};
             vf ends[2];
-            find_outline_ends(&bundle->waist, i, v_load(leaf->outline.weight + v), is_fan, are_fans, slope, place,
-                              has_places, ends);
+            find_outline_ends(&bundle->waist, i, v_load(leaf->outline.weight + v), is_fan, are_fans, slope, intercept,
+                              has_intercepts, ends);
             may = m_and(may, m_and(v_le(v_load(leaf->outline.lo[i] + v), ends[1]),
                                    v_ge(v_load(leaf->outline.hi[i] + v), ends[0])));
         }

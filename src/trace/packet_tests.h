@@ -24,7 +24,7 @@
 /* Of each triangle and each ray of a packet, how far the ray passes inside of the edges (inside_of_edges). */
 struct edge_values {
     MLRT_ALIGNED(64) float inner[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float bound[MLRT_BVH_LEAF_LIMIT]; /* error bounds; without places [0] is that of all */
+    MLRT_ALIGNED(64) float bound[MLRT_BVH_LEAF_LIMIT]; /* error bounds; without intercepts [0] is that of all */
     uint32_t of_vector[PACKET_VECTORS];                /* of each vector of rays: the triangles that may be hit */
 };
 
@@ -34,10 +34,10 @@ struct edge_values {
  * those that all such rays skip: rays to a light mostly end on one.
  */
 MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const struct mlrt_bundle_rays *rays,
-                                  const struct mlrt_packet *packet, uint32_t triangles, int has_places, int first,
+                                  const struct mlrt_packet *packet, uint32_t triangles, int has_intercepts, int first,
                                   int count, struct edge_values *of)
 {
-    const int term_count = has_places ? MLRT_RAY_TERMS : 2;
+    const int term_count = has_intercepts ? MLRT_RAY_TERMS : 2;
     vf term[PACKET_VECTORS][MLRT_RAY_TERMS], bound = v_set1(of->bound[0]);
     vi skip[PACKET_VECTORS];
     uint32_t met[PACKET_VECTORS] = {0};
@@ -66,14 +66,14 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
             MLRT_UNROLL
             for (int n = 0; n < count; ++n) {
                 least[n] = edge ? v_min(e[n], least[n]) : e[n];
-                if (has_places) greatest[n] = edge ? v_max(e[n], greatest[n]) : e[n];
+                if (has_intercepts) greatest[n] = edge ? v_max(e[n], greatest[n]) : e[n];
             }
         }
-        if (has_places) bound = v_set1(of->bound[triangle]);
+        if (has_intercepts) bound = v_set1(of->bound[triangle]);
         MLRT_UNROLL
         for (int n = 0; n < count; ++n) {
             const int v = VW * (first + n);
-            const vf inner = has_places ? v_max(least[n], v_opposite(greatest[n])) : least[n];
+            const vf inner = has_intercepts ? v_max(least[n], v_opposite(greatest[n])) : least[n];
             v_store(of->inner[triangle] + v, inner);
             /* Lanes that are not active have NaN, of which no comparison is true. */
             const vm may = m_andnot(v_ge(inner, v_opposite(bound)), i_eq(skip[n], i_set1(leaf->numbers[triangle])));
@@ -92,12 +92,12 @@ struct bundle_vector {
 };
 
 MLRT_INLINE void load_bundle_vector(const struct mlrt_bundle_rays *rays, const struct mlrt_packet *packet,
-                                    int has_places, int v, struct bundle_vector *of)
+                                    int has_intercepts, int v, struct bundle_vector *of)
 {
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) of->slope[i] = v_load(rays->term[i] + v);
     MLRT_UNROLL
-    for (int i = 0; i < 3; ++i) of->to_waist[i] = has_places ? v_load(rays->to_waist[i] + v) : v_set1(0);
+    for (int i = 0; i < 3; ++i) of->to_waist[i] = has_intercepts ? v_load(rays->to_waist[i] + v) : v_set1(0);
     load_nearest_hits(rays, packet, v, &of->nearest);
 }
 
@@ -114,18 +114,18 @@ struct plane_bounds {
  * are undecided.
  */
 MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
-                                    const struct plane_bounds *bounds, const float *begin, int has_places,
+                                    const struct plane_bounds *bounds, const float *begin, int has_intercepts,
                                     vm candidates, vm inside, struct bundle_vector *of, struct plane_of_rays *plane)
 {
     vf n = v_set1(leaf->planes.distance[triangle]), d = v_set1(leaf->planes.normal[0][triangle]);
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) d = v_mul_add(v_set1(leaf->planes.normal[1 + i][triangle]), of->slope[i], d);
-    if (has_places) {
+    if (has_intercepts) {
         MLRT_UNROLL
         for (int i = 0; i < 3; ++i) n = v_mul_add(v_set1(leaf->planes.normal[i][triangle]), of->to_waist[i], n);
     }
     const float error = DISTANCE_ERROR * (leaf->planes.away[triangle] + bounds->away) + DISTANCE_FLOOR;
-    const vf size = has_places ? v_abs(d) : d, distance = has_places ? v_flip(n, d) : n, width = bounds->width;
+    const vf size = has_intercepts ? v_abs(d) : d, distance = has_intercepts ? v_flip(n, d) : n, width = bounds->width;
     plane->least_d = v_sub(size, width);
     plane->greatest_d = v_add(size, width);
     plane->least_n = v_sub(distance, v_set1(error));
@@ -139,12 +139,12 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
         farther = m_or(farther, v_lt(plane->greatest_n, v_mul(v_mul(from, v_set1(1 - SLOPE_SLACK)), plane->least_d)));
         plane->begun = v_gt(plane->least_n, v_mul(v_mul(from, v_set1(1 + SLOPE_SLACK)), plane->greatest_d));
     } else {
-        if (has_places) farther = m_or(farther, v_lt(plane->greatest_n, v_set1(0))); /* from the waist, N >= 0 */
+        if (has_intercepts) farther = m_or(farther, v_lt(plane->greatest_n, v_set1(0))); /* from the waist, N >= 0 */
         plane->begun = v_gt(plane->least_n, v_set1(0));
     }
     vm hit = m_and(m_and(plane->certain, inside), m_and(nearer, plane->begun));
     vm open = m_andnot(m_andnot(candidates, m_and(plane->certain, farther)), hit);
-    if (!has_places) open = m_andnot(open, v_lt(plane->greatest_d, v_set1(0)));
+    if (!has_intercepts) open = m_andnot(open, v_lt(plane->greatest_d, v_set1(0)));
     uint32_t undecided = m_bits(open);
     if (MLRT_GUESS) hit = m_and(m_and(candidates, m_and(nearer, plane->begun)), v_gt(size, v_set1(0))), undecided = 0;
     keep_plane(plane, leaf->numbers[triangle], hit, &of->nearest);
@@ -154,22 +154,22 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
 /* Tests a vector of a packet's rays against triangles, given their edge values. Returns the lanes with a new hit. */
 MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_worker *worker,
                                         struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                        const struct edge_values *edges, uint32_t place, int has_places, int v)
+                                        const struct edge_values *edges, uint32_t place, int has_intercepts, int v)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     const struct plane_bounds bounds = {v_set1(PLANE_BOUND * hulls->filter.reach[place]),
-                                        has_places ? hulls->filter.away[place] : 0, bundle->has.begins};
+                                        has_intercepts ? hulls->filter.away[place] : 0, bundle->has.begins};
     const vi skip = packet->has.skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
     uint32_t decided = 0, close_count = 0;
     vf bound = v_set1(edges->bound[0]);
     struct bundle_vector of;
     struct close_triangle_of_leaf close[MLRT_BVH_LEAF_LIMIT];
-    load_bundle_vector(rays, packet, has_places, v, &of);
+    load_bundle_vector(rays, packet, has_intercepts, v, &of);
     for (uint32_t met = edges->of_vector[v / VW]; met; met &= met - 1) {
         const uint32_t triangle = mlrt_lowest_bit(met), number = leaf->numbers[triangle];
-        if (has_places) bound = v_set1(edges->bound[triangle]);
+        if (has_intercepts) bound = v_set1(edges->bound[triangle]);
         const vf inner = v_load(edges->inner[triangle] + v);
         const vm inside = v_gt(inner, bound);
         const vm known = m_or(i_eq(of.nearest.triangle, i_set1(number)), i_eq(skip, i_set1(number)));
@@ -180,7 +180,7 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
         }
         struct plane_of_rays plane;
         const uint32_t undecided =
-            test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, inside, &of, &plane);
+            test_distances(leaf, triangle, &bounds, rays->begin + v, has_intercepts, may, inside, &of, &plane);
         if (MLRT_LIKELY(!undecided)) continue;
         if (job->tree->bvh.places) mlrt_prefetch(&job->tree->bvh.places[number]); /* for settle_leaf */
         close[close_count++] = (struct close_triangle_of_leaf){plane, inside, undecided, triangle};
@@ -201,7 +201,7 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
  */
 MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
                                         struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                        uint32_t triangles, uint32_t place, int has_places)
+                                        uint32_t triangles, uint32_t place, int has_intercepts)
 {
     const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     const struct mlrt_packet *packet = &bundle->tile->packets[place];
@@ -209,10 +209,11 @@ MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_
     uint32_t changed = 0, met = 0;
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
     COUNT(&worker->counters, lane_test_count, mlrt_count_bits(triangles) * mlrt_count_bits(packet->active));
-    for (uint32_t v = 0; v < (has_places ? MLRT_BVH_LEAF_LIMIT : 1); v += VW) {
-        v_store(edges.bound + v, edge_bounds(&(struct hull_pairs){&bundle->hulls, leaf, place, v, 0, has_places}, 1));
+    for (uint32_t v = 0; v < (has_intercepts ? MLRT_BVH_LEAF_LIMIT : 1); v += VW) {
+        v_store(edges.bound + v,
+                edge_bounds(&(struct hull_pairs){&bundle->hulls, leaf, place, v, 0, has_intercepts}, 1));
     }
-    if (has_places) {
+    if (has_intercepts) {
         for (int first = 0; first < PACKET_VECTORS; first += VECTORS_FROM_ANYWHERE) {
             find_edge_values(leaf, rays, packet, triangles, 1, first, VECTORS_FROM_ANYWHERE, &edges);
         }
@@ -222,7 +223,7 @@ MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_
     for (int n = 0; n < PACKET_VECTORS; ++n) {
         met |= edges.of_vector[n];
         if (edges.of_vector[n])
-            changed |= test_bundle_vector(job, worker, bundle, leaf, &edges, place, has_places, VW * n);
+            changed |= test_bundle_vector(job, worker, bundle, leaf, &edges, place, has_intercepts, VW * n);
     }
     bundle->state.tests[place] += mlrt_count_bits(triangles & ~met);
     return changed;

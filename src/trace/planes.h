@@ -96,8 +96,8 @@ static inline void mlrt_scale_edge(const double moment[3], const double along[3]
     *constant = (float)(moment[0] * scale);
     coefficient[MLRT_SLOPE_J] = (float)(moment[1] * scale);
     coefficient[MLRT_SLOPE_L] = (float)(moment[2] * scale);
-    coefficient[MLRT_PLACE_J] = (float)(-along[2] * scale);
-    coefficient[MLRT_PLACE_L] = (float)(along[1] * scale);
+    coefficient[MLRT_INTERCEPT_J] = (float)(-along[2] * scale);
+    coefficient[MLRT_INTERCEPT_L] = (float)(along[1] * scale);
     coefficient[MLRT_MOMENT] = (float)(along[0] * scale);
 }
 

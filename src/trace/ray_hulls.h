@@ -6,20 +6,20 @@
  * RAYS, u = 2^-24. The origin o relative to the waist, with the sign of the main axis, has 1 rounding per component. A
  * slope s_j = d_j / |d_main| has 1 in lanes, and 2 in hulls, which multiply by a reciprocal (L2). For the rays of a
  * packet, let R be at least 1 and 2 |s_j|, A at least |o_main|, 2 |o_j| and 2 |o_l|, and X at least |x_j| and |x_l|.
- * By L3 a place x_j = o_j - s_j o_main is off by no more than
+ * By L3 an intercept x_j = o_j - s_j o_main is off by no more than
  *
  *     E = 3.05 u R A + 2^-149,    in hulls 3.55 u R A + 2^-149.
  *
- * PLACE_ERROR makes 4 u R A of both. A ray from the waist has o = 0, and so the place 0 exactly.
+ * INTERCEPT_ERROR makes 4 u R A of both. A ray from the waist has o = 0, and so the intercept 0 exactly.
  *
- * HULLS (L10) are made from rays as they were read, and contain their exact slopes, and their exact places but for
- * PLACE_ERROR R A. The radius of a term is half its range, made larger by 2^-20 of itself and by 2^-21 of the middle.
- * This covers the 2.001 u of a slope, and the roundings of middle and radius. The interval of the moment is made from
- * those of its factors (product_over_hull), and A from depths, slopes and places (hulls_fit).
+ * HULLS (L10) are made from rays as they were read, and contain their exact slopes, and their exact intercepts but for
+ * INTERCEPT_ERROR R A. The radius of a term is half its range, made larger by 2^-20 of itself and by 2^-21 of the
+ * middle. This covers the 2.001 u of a slope, and the roundings of middle and radius. The interval of the moment is
+ * made from those of its factors (product_over_hull), and A from depths, slopes and intercepts (hulls_fit).
  *
  * UNDERFLOW. A slope is 0 or at least LEAST_SLOPE, except where all slopes of a packet underflow to 0, and so lose at
  * most 2^-150. The product s_j o_main may lose 2^-150, and so may the product of a slope and a depth; where R A is
- * below 2^-128, PLACE_ERROR R A is less than that. PLACE_FLOOR covers both.
+ * below 2^-128, INTERCEPT_ERROR R A is less than that. INTERCEPT_FLOOR covers both.
  *
  * DEPTHS (L13) at which rays begin and end, o_main + tau, are moved apart by SLOPE_SLACK (|z| + A).
  */
@@ -36,14 +36,14 @@
 #include "trace/bundle.h"
 #include "trace/ray_tile.h"
 
-#define PLACE_ERROR (4 * 0x1p-24f)
-#define PLACE_FLOOR 0x1p-140f
+#define INTERCEPT_ERROR (4 * 0x1p-24f)
+#define INTERCEPT_FLOOR 0x1p-140f
 
-/* Slopes, places and depths of hulls are moved apart by this as well: underflow loses less. */
+/* Slopes, intercepts and depths of hulls are moved apart by this as well: underflow loses less. */
 #define HULL_FLOOR 0x1p-110f
 
-/* Places add this times X R rho to the bound of an edge function, and their own error times R rho (L5, leaf.h). */
-#define BLUR_OF_PLACE (13 * 0x1p-24f)
+/* Intercepts add this times X R rho to the bound of an edge function, and their own error times R rho (L5, leaf.h). */
+#define BLUR_OF_INTERCEPT (13 * 0x1p-24f)
 
 /* Component k of the origins of a vector of lanes. */
 MLRT_INLINE vf origin_component(const struct mlrt_packet *packet, int k, int v)
@@ -69,7 +69,7 @@ static MLRT_NOINLINE void update_last_depths(struct mlrt_bundle *bundle, uint32_
             vf greatest = v_set1(-INFINITY);
             for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
                 vf depth = v_load(rays->hi + v);
-                if (bundle->has.places) depth = v_sub(depth, v_load(rays->to_waist[0] + v));
+                if (bundle->has.intercepts) depth = v_sub(depth, v_load(rays->to_waist[0] + v));
                 greatest = v_max(v_select(m_from_bits(active >> v), depth, v_set1(-INFINITY)), greatest);
             }
             const float depth = v_hmax(greatest);
@@ -82,8 +82,8 @@ static MLRT_NOINLINE void update_last_depths(struct mlrt_bundle *bundle, uint32_
 
 /*
  * Stores the extremes over the rays of a packet in its hull. `least` has the least of, in this order: slopes (two of
- * each), -slopes, places, -places; the depth of the begin, and its negative; the negative of the depth of the end, and
- * that depth.
+ * each), -slopes, intercepts, -intercepts; the depth of the begin, and its negative; the negative of the depth of the
+ * end, and that depth.
  */
 MLRT_INLINE void keep_extremes(const float least[12], uint32_t place, struct mlrt_hulls *hulls)
 {
@@ -91,8 +91,8 @@ MLRT_INLINE void keep_extremes(const float least[12], uint32_t place, struct mlr
     for (int i = 0; i < 2; ++i) {
         hulls->term[MLRT_SLOPE_J + i].lo[place] = least[i];
         hulls->term[MLRT_SLOPE_J + i].hi[place] = -least[2 + i];
-        hulls->term[MLRT_PLACE_J + i].lo[place] = least[4 + i];
-        hulls->term[MLRT_PLACE_J + i].hi[place] = 0 - least[6 + i];
+        hulls->term[MLRT_INTERCEPT_J + i].lo[place] = least[4 + i];
+        hulls->term[MLRT_INTERCEPT_J + i].hi[place] = 0 - least[6 + i];
     }
     hulls->first[place] = least[8];
     hulls->closed.common_first[place] = -least[9];
@@ -109,12 +109,12 @@ static MLRT_NOINLINE void bound_packet(struct mlrt_bundle *bundle, uint32_t plac
     vf least[12];
     for (int i = 0; i < 12; ++i) least[i] = inf;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        static const int term[4] = {MLRT_SLOPE_J, MLRT_SLOPE_L, MLRT_PLACE_J, MLRT_PLACE_L};
+        static const int term[4] = {MLRT_SLOPE_J, MLRT_SLOPE_L, MLRT_INTERCEPT_J, MLRT_INTERCEPT_L};
         const vm lanes = m_from_bits(active >> v);
         const vf to_waist = v_load(rays->to_waist[0] + v), zero = v_set1(0);
         MLRT_UNROLL
         for (int i = 0; i < 4; ++i) {
-            const vf value = i < 2 || bundle->has.places ? v_load(rays->term[term[i]] + v) : zero;
+            const vf value = i < 2 || bundle->has.intercepts ? v_load(rays->term[term[i]] + v) : zero;
             const int at = (i & 2) * 2 + (i & 1);
             least[at] = v_min(v_select(lanes, value, inf), least[at]);
             least[at + 2] = v_min(v_select(lanes, v_sub(zero, value), inf), least[at + 2]);
@@ -152,14 +152,14 @@ MLRT_INLINE int starts_at_waist(const float apex[3], struct mlrt_packet *packet)
     return 1;
 }
 
-/* A vector of rays of a packet: the numbers from which slopes and places are made. */
+/* A vector of rays of a packet: the numbers from which slopes and intercepts are made. */
 struct given_rays {
     vf pace;          /* |d_main|, not in units */
     vf across[2];     /* d_j, d_l, not in units */
-    vf from_waist[3]; /* o: depth, place j, place l */
+    vf from_waist[3]; /* o: depth, j, l */
 };
 
-MLRT_INLINE void load_given_rays(const struct mlrt_bundle *bundle, const struct mlrt_packet *packet, int has_places,
+MLRT_INLINE void load_given_rays(const struct mlrt_bundle *bundle, const struct mlrt_packet *packet, int has_intercepts,
                                  int v, struct given_rays *rays)
 {
     const int a = bundle->waist.main_axis, axis[3] = {a, mlrt_slope_axis(a, 0), mlrt_slope_axis(a, 1)};
@@ -170,7 +170,7 @@ MLRT_INLINE void load_given_rays(const struct mlrt_bundle *bundle, const struct 
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         rays->from_waist[k] = v_set1(0);
-        if (!has_places) continue;
+        if (!has_intercepts) continue;
         const vf w = v_set1(bundle->waist.point[axis[k]]);
         const vf away = v_mul_sub(origin_component(packet, axis[k], v), unit, w); /* the product is exact */
         rays->from_waist[k] = k == 0 ? v_flip(away, sign) : away;
@@ -213,12 +213,12 @@ MLRT_INLINE void take_least(vf value, int v, vf *least)
 }
 
 /*
- * Bounds a packet whose rays have just been read. has_places is 0 if they all start at the waist. Returns the lanes
+ * Bounds a packet whose rays have just been read. has_intercepts is 0 if they all start at the waist. Returns the lanes
  * whose rays can be traced with the bundle; hulls_fit checks the rest. If a lane is missing, the bounds are not valid.
  *
  * Slopes are products with a reciprocal here, and quotients in make_lanes: see "RAYS" above.
  */
-MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, int has_places)
+MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, int has_intercepts)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct mlrt_hulls *hulls = &bundle->hulls;
@@ -235,7 +235,7 @@ MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, i
     least[10] = v_set1(-INFINITY), least[11] = v_set1(INFINITY);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         struct given_rays rays;
-        load_given_rays(bundle, packet, has_places, v, &rays);
+        load_given_rays(bundle, packet, has_intercepts, v, &rays);
         const vf pace = v_mul(rays.pace, unit), inverse = v_div(v_set1(1), rays.pace);
         vf term[4] = {zero, zero, zero, zero}, first = rays.from_waist[0];
         MLRT_UNROLL
@@ -243,16 +243,16 @@ MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, i
             term[i] = v_mul(rays.across[i], inverse);
             take_least(term[i], v, &least[i]);
             take_least(v_sub(zero, term[i]), v, &least[2 + i]);
-            if (!has_places) continue;
+            if (!has_intercepts) continue;
             term[2 + i] = v_sub(rays.from_waist[1 + i], v_mul(term[i], rays.from_waist[0]));
             take_least(term[2 + i], v, &least[4 + i]);
             take_least(v_sub(zero, term[2 + i]), v, &least[6 + i]);
         }
-        /* If a place, or a slope, is infinite or a NaN, so is the sum. */
-        const vf sum = has_places ? v_add(v_abs(term[2]), v_abs(term[3])) : v_add(v_abs(term[0]), v_abs(term[1]));
+        /* If an intercept, or a slope, is infinite or a NaN, so is the sum. */
+        const vf sum = has_intercepts ? v_add(v_abs(term[2]), v_abs(term[3])) : v_add(v_abs(term[0]), v_abs(term[1]));
         vm fits = m_and(v_ge(pace, v_set1(LEAST_PACE)), v_le(pace, v_set1(GREATEST_PACE)));
         fits = m_and(fits, v_le(sum, v_set1(MLRT_SAFE_MAX)));
-        if (MLRT_UNLIKELY(bundle->scene.unit < 1) && has_places) { /* nor may 1 / |d_main| be denormal (L2) */
+        if (MLRT_UNLIKELY(bundle->scene.unit < 1) && has_intercepts) { /* nor may 1 / |d_main| be denormal (L2) */
             fits = m_and(fits, m_and(exact_in_units(bundle, packet, v), v_le(rays.pace, v_set1(GREATEST_PACE))));
         }
         if (packet->has.limits) {
@@ -274,7 +274,7 @@ MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, i
     MLRT_ALIGNED(16) float of[12] = {0};
     MLRT_UNROLL
     for (int i = 0; i < 12; i += 4) {
-        if (has_places || i != 4) f4_store(of + i, v_hmin4(least[i], least[i + 1], least[i + 2], least[i + 3]));
+        if (has_intercepts || i != 4) f4_store(of + i, v_hmin4(least[i], least[i + 1], least[i + 2], least[i + 3]));
     }
     hulls->begin[place] = packet->has.limits ? v_hmax(longest) : 0;
     keep_extremes(of, place, hulls);
@@ -346,8 +346,8 @@ static MLRT_NOINLINE uint32_t hulls_fit(struct mlrt_bundle *bundle, uint32_t pla
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v);
-            const vf from = v_load(hulls->term[MLRT_PLACE_J + i].lo + v),
-                     to = v_load(hulls->term[MLRT_PLACE_J + i].hi + v);
+            const vf from = v_load(hulls->term[MLRT_INTERCEPT_J + i].lo + v),
+                     to = v_load(hulls->term[MLRT_INTERCEPT_J + i].hi + v);
             steepest = v_max(v_max(v_abs(lo), v_abs(hi)), steepest);
             aside = v_max(v_max(v_abs(from), v_abs(to)), aside);
             fits = m_and(fits, m_and(v_ge(lo, v_set1(-STEEPEST_SLOPE)), v_le(hi, v_set1(STEEPEST_SLOPE))));
@@ -378,14 +378,14 @@ static MLRT_NOINLINE void make_lanes(struct mlrt_bundle *bundle, uint32_t place)
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         struct given_rays given;
         vf slope[2], at[2], to_waist[3];
-        load_given_rays(bundle, packet, bundle->has.places, v, &given);
+        load_given_rays(bundle, packet, bundle->has.intercepts, v, &given);
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             slope[i] = v_div(given.across[i], given.pace);
             v_store(rays->term[MLRT_SLOPE_J + i] + v, slope[i]);
         }
         v_store(rays->to_waist[0] + v, zero);
-        if (bundle->has.places) {
+        if (bundle->has.intercepts) {
             MLRT_UNROLL
             for (int k = 0; k < 3; ++k) {
                 to_waist[k] = v_sub(zero, given.from_waist[k]);
@@ -394,7 +394,7 @@ static MLRT_NOINLINE void make_lanes(struct mlrt_bundle *bundle, uint32_t place)
             MLRT_UNROLL
             for (int i = 0; i < 2; ++i) {
                 at[i] = v_mul_sub(slope[i], to_waist[0], to_waist[1 + i]);
-                v_store(rays->term[MLRT_PLACE_J + i] + v, at[i]);
+                v_store(rays->term[MLRT_INTERCEPT_J + i] + v, at[i]);
             }
             v_store(rays->term[MLRT_MOMENT] + v, v_mul_sub(slope[1], at[0], v_mul(slope[0], at[1])));
         }
@@ -444,14 +444,14 @@ MLRT_INLINE void finish_depths(struct mlrt_bundle *bundle, uint32_t places, int 
  */
 MLRT_INLINE void product_over_hull(const vf *middle, const vf *radius, vf *of_moment, vf *around)
 {
-    const vf first = v_mul(middle[MLRT_SLOPE_L], middle[MLRT_PLACE_J]);
-    const vf second = v_mul(middle[MLRT_SLOPE_J], middle[MLRT_PLACE_L]);
+    const vf first = v_mul(middle[MLRT_SLOPE_L], middle[MLRT_INTERCEPT_J]);
+    const vf second = v_mul(middle[MLRT_SLOPE_J], middle[MLRT_INTERCEPT_L]);
     vf sum = v_set1(0);
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
-        const vf slope = radius[MLRT_SLOPE_J + i], at = radius[MLRT_PLACE_L - i];
+        const vf slope = radius[MLRT_SLOPE_J + i], at = radius[MLRT_INTERCEPT_L - i];
         sum = v_mul_add(v_add(v_abs(middle[MLRT_SLOPE_J + i]), slope), at, sum);
-        sum = v_mul_add(slope, v_abs(middle[MLRT_PLACE_L - i]), sum);
+        sum = v_mul_add(slope, v_abs(middle[MLRT_INTERCEPT_L - i]), sum);
     }
     *of_moment = v_sub(first, second);
     sum = v_mul(sum, v_set1(1 + SLOPE_SLACK));
@@ -462,8 +462,8 @@ MLRT_INLINE void product_over_hull(const vf *middle, const vf *radius, vf *of_mo
  * Makes the hulls of the vector of packets from `v` on, from the extremes of their rays (keep_extremes).
  *
  * Middles and radii need no floor (L10): underflow loses less than 2^-148 of a term, coefficients are at most 2^21, and
- * the bound of an edge function has 0.9 u R to spare. The ends of slopes and places need HULL_FLOOR: they are compared
- * with boxes, which may be as near as a denormal.
+ * the bound of an edge function has 0.9 u R to spare. The ends of slopes and intercepts need HULL_FLOOR: they are
+ * compared with boxes, which may be as near as a denormal.
  */
 static MLRT_NOINLINE void finish_hulls(struct mlrt_bundle *bundle, int v)
 {
@@ -487,9 +487,9 @@ static MLRT_NOINLINE void finish_hulls(struct mlrt_bundle *bundle, int v)
         v_store(hulls->filter.middle[i] + v, middle[i]);
         v_store(hulls->filter.radius[i] + v, radius[i]);
     }
-    const vf error = v_mul_add(v_mul(reach, away), v_set1(PLACE_ERROR), v_set1(PLACE_FLOOR));
+    const vf error = v_mul_add(v_mul(reach, away), v_set1(INTERCEPT_ERROR), v_set1(INTERCEPT_FLOOR));
     v_store(hulls->filter.reach + v, reach);
-    v_store(hulls->filter.blur + v, v_mul_add(largest, v_set1(BLUR_OF_PLACE), error));
+    v_store(hulls->filter.blur + v, v_mul_add(largest, v_set1(BLUR_OF_INTERCEPT), error));
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v), slack = v_set1(SLOPE_SLACK);
@@ -497,8 +497,8 @@ static MLRT_NOINLINE void finish_hulls(struct mlrt_bundle *bundle, int v)
         v_store(hulls->slope[i].lo + v, v_select(going, v_sub(lo, v_mul_add(v_abs(lo), slack, floor)), inf));
         v_store(hulls->slope[i].hi + v, v_select(going, v_add(hi, v_mul_add(v_abs(hi), slack, floor)), none));
         const vf from = v_load(hulls->term[2 + i].lo + v), to = v_load(hulls->term[2 + i].hi + v);
-        v_store(hulls->place[i].lo + v, v_select(going, v_sub(from, v_mul_add(v_abs(from), slack, blur)), inf));
-        v_store(hulls->place[i].hi + v, v_select(going, v_add(to, v_mul_add(v_abs(to), slack, blur)), none));
+        v_store(hulls->intercept[i].lo + v, v_select(going, v_sub(from, v_mul_add(v_abs(from), slack, blur)), inf));
+        v_store(hulls->intercept[i].hi + v, v_select(going, v_add(to, v_mul_add(v_abs(to), slack, blur)), none));
     }
 }
 
@@ -514,15 +514,15 @@ static MLRT_NOINLINE void sum_up_hulls(struct mlrt_bundle *bundle)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
     struct mlrt_hull *whole = &bundle->whole;
-    struct extremes slope[2] = {NO_EXTREMES, NO_EXTREMES}, place[2] = {NO_EXTREMES, NO_EXTREMES};
+    struct extremes slope[2] = {NO_EXTREMES, NO_EXTREMES}, intercept[2] = {NO_EXTREMES, NO_EXTREMES};
     vf first = v_set1(INFINITY);
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             slope[i].least = v_min(v_load(hulls->slope[i].lo + v), slope[i].least);
             slope[i].negated = v_min(v_sub(v_set1(0), v_load(hulls->slope[i].hi + v)), slope[i].negated);
-            place[i].least = v_min(v_load(hulls->place[i].lo + v), place[i].least);
-            place[i].negated = v_min(v_sub(v_set1(0), v_load(hulls->place[i].hi + v)), place[i].negated);
+            intercept[i].least = v_min(v_load(hulls->intercept[i].lo + v), intercept[i].least);
+            intercept[i].negated = v_min(v_sub(v_set1(0), v_load(hulls->intercept[i].hi + v)), intercept[i].negated);
         }
         first = v_min(v_load(hulls->first + v), first);
     }
@@ -530,9 +530,9 @@ static MLRT_NOINLINE void sum_up_hulls(struct mlrt_bundle *bundle)
     f4_store(least, v_hmin4(slope[0].least, slope[1].least, slope[0].negated, slope[1].negated));
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) whole->slope_lo[i] = least[i], whole->slope_hi[i] = -least[2 + i];
-    f4_store(least, v_hmin4(place[0].least, place[1].least, place[0].negated, place[1].negated));
+    f4_store(least, v_hmin4(intercept[0].least, intercept[1].least, intercept[0].negated, intercept[1].negated));
     MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) whole->place_lo[i] = least[i], whole->place_hi[i] = -least[2 + i];
+    for (int i = 0; i < 2; ++i) whole->intercept_lo[i] = least[i], whole->intercept_hi[i] = -least[2 + i];
     whole->first = v_hmin(first);
     set_whole_last(bundle);
 }
@@ -546,8 +546,8 @@ static void leave_bundle(struct mlrt_bundle *bundle, uint32_t place)
     hulls->last[place] = -INFINITY;
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
-        hulls->slope[i].lo[place] = hulls->place[i].lo[place] = INFINITY;
-        hulls->slope[i].hi[place] = hulls->place[i].hi[place] = -INFINITY;
+        hulls->slope[i].lo[place] = hulls->intercept[i].lo[place] = INFINITY;
+        hulls->slope[i].hi[place] = hulls->intercept[i].hi[place] = -INFINITY;
     }
 }
 

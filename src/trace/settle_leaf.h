@@ -29,7 +29,7 @@ MLRT_INLINE vf find_line_values(const struct mlrt_pair_line *line, const struct 
     vf f = v_set1(line->constant);
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) f = v_mul_add(v_set1(line->coefficient[i]), v_load(rays->term[i] + v), f);
-    if (bundle->has.places) {
+    if (bundle->has.intercepts) {
         error += line->steepness * bundle->hulls.filter.blur[place];
         MLRT_UNROLL
         for (int i = 2; i < MLRT_RAY_TERMS; ++i) {

@@ -12,7 +12,7 @@
  * ERRORS. m is rounded to float, by 2^-24 of at most 1. D is a sum of three products with slopes up to 2 and three
  * roundings: it is off by less than 2^-20. N, computed in double, is off by 2^-32 of P, the greatest |p_k|, and by
  * 2^-24 of itself. So with D > 2^-5 the condition of shadow_ray.h on D holds for each ray, as |d| is less than 5.1.
- * Then z is off by 2^-32 P / D < 2^-26 P, and by 2^-19.9 z / D. As |d_k| <= 2, places are off by twice that:
+ * Then z is off by 2^-32 P / D < 2^-26 P, and by 2^-19.9 z / D. As |d_k| <= 2, hit points are off by twice that across:
  * 2^-18.9 z / D < 2^-18 z / D. Besides, each component is off by
  *
  *     2^-22 (|o - L| + 2 z)                 the rounding of o - L, z d and their sum, with something to spare
@@ -34,7 +34,7 @@
 #include "trace/cells.h"
 #include "trace/corner_slopes.h"
 
-/* The least D, and the errors of places: relative to z / D, and relative to |o - L| + 2 z + P. */
+/* The least D, and the errors of hit points: relative to z / D, and relative to |o - L| + 2 z + P. */
 #define LEAST_STEEPNESS 0x1p-5f
 #define ALONG_ERROR     0x1p-18f
 #define LIT_PLACE_ERROR 0x1p-20f

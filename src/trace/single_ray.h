@@ -352,7 +352,8 @@ static MLRT_NOINLINE uint32_t places_ahead(const float *corners, uint32_t row, u
 /*
  * Decides the triangles at places of a leaf that float leaves undecided. The ray is surely inside the edges of those in
  * `inside`. Of these, it surely meets those in `hit` behind t_min, at lo[i] or farther. Where any hit will do, `lo` is
- * NULL. `nearest`: where the corners of the nearest hit so far lie, if that is known. Returns where they lie afterwards.
+ * NULL. `nearest`: where the corners of the nearest hit so far lie, if that is known. Returns where they lie
+ * afterwards.
  *
  * Most rays that leave a surface begin one float beside it, and are undecided for the triangles of its plane. Float
  * tells by components that they leave them.

@@ -93,7 +93,8 @@ static MLRT_NOINLINE void update_bundle(struct mlrt_bundle *bundle, uint32_t pla
 }
 
 /*
- * Returns one half of the active rays of a packet: those below the middle, along the side where they are farthest apart.
+ * Returns one half of the active rays of a packet: those below the middle, along the side where they are farthest
+ * apart.
  * 0 if all are in one place. `depth` is where rays are compared.
  */
 static uint32_t find_half(const struct mlrt_bundle *bundle, uint32_t place, float depth)
@@ -107,7 +108,7 @@ static uint32_t find_half(const struct mlrt_bundle *bundle, uint32_t place, floa
         vf least = v_set1(INFINITY), greatest = v_set1(-INFINITY);
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             const vm lanes = m_from_bits(active >> v);
-            const vf from = bundle->has.places ? v_load(rays->term[MLRT_PLACE_J + i] + v) : v_set1(0);
+            const vf from = bundle->has.intercepts ? v_load(rays->term[MLRT_INTERCEPT_J + i] + v) : v_set1(0);
             const vf x = v_mul_add(v_load(rays->term[MLRT_SLOPE_J + i] + v), v_set1(depth), from);
             v_store(at + v, x);
             least = v_min(v_select(lanes, x, v_set1(INFINITY)), least);
@@ -204,7 +205,7 @@ MLRT_INLINE int is_large_box(const struct mlrt_bundle *bundle, uint32_t place, c
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         rays *= box->hi[i] - box->lo[i];
-        limit *= 2 * (hulls->filter.radius[i][place] * depth + hulls->filter.radius[MLRT_PLACE_J + i][place]);
+        limit *= 2 * (hulls->filter.radius[i][place] * depth + hulls->filter.radius[MLRT_INTERCEPT_J + i][place]);
     }
     return rays > limit;
 }
@@ -246,9 +247,10 @@ static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlr
                                           uint32_t triangles, uint32_t place)
 {
     need_lanes(bundle, place);
-    const uint32_t changed = bundle->has.places ? test_bundle_packet(job, worker, bundle, leaf, triangles, place, 1)
-                                                : test_bundle_packet(job, worker, bundle, leaf, triangles, place, 0);
-    const int is_alike = !bundle->has.places || (job->any && bundle->waist.is_beam);
+    const uint32_t changed = bundle->has.intercepts
+                                 ? test_bundle_packet(job, worker, bundle, leaf, triangles, place, 1)
+                                 : test_bundle_packet(job, worker, bundle, leaf, triangles, place, 0);
+    const int is_alike = !bundle->has.intercepts || (job->any && bundle->waist.is_beam);
     const uint32_t most = is_alike ? MLRT_MOST_WAIST_TESTS : MLRT_MOST_TESTS;
     if (changed) update_bundle(bundle, place, changed, job->any);
     if (MLRT_UNLIKELY(bundle->state.tests[place] > most) && bundle->state.going >> place & 1) {
@@ -301,7 +303,7 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
 static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
                                           struct mlrt_bundle *bundle)
 {
-    const int has_places = bundle->has.places;
+    const int has_intercepts = bundle->has.intercepts;
     const struct mlrt_bvh *bvh = &job->tree->bvh;
     struct pending_box stack[MLRT_BVH_STACK_LIMIT];
     MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
@@ -311,7 +313,7 @@ static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlr
     uint32_t node = 0, count = 0;
     for (;;) {
         COUNT(&worker->counters, cell_count, 1);
-        const uint32_t boxes = bundle_children_met(bundle, &bvh->nodes[node], has_places, near);
+        const uint32_t boxes = bundle_children_met(bundle, &bvh->nodes[node], has_intercepts, near);
         for (int v = 0; bundle->far_first && v < MLRT_BVH_WIDTH; v += VW) {
             v_store(near + v, v_sub(v_set1(0), v_load(near + v)));
         }
@@ -324,7 +326,7 @@ static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlr
             const uint32_t place = top->slot % MLRT_BVH_WIDTH, child = parent->child[place];
             struct box_of_bundle box;
             see_bundle_box(&bundle->waist, parent, place, &box);
-            const uint32_t met = packets_met(bundle, &box, has_places);
+            const uint32_t met = packets_met(bundle, &box, has_intercepts);
             if (!met) continue;
             if (mlrt_count_bits(met) <= few && !(met & bundle->state.closed) &&
                 !(mlrt_bvh_quad_count(child) && has_bundle_leaf(bundle, child)) &&
@@ -374,7 +376,7 @@ static MLRT_NOINLINE uint32_t find_wide_packets(const struct mlrt_bundle *bundle
         vf width = v_set1(0);
         for (int i = 0; i < 2; ++i) {
             width = v_mul_add(v_load(hulls->filter.radius[i] + v), depth, width);
-            if (bundle->has.places) width = v_add(v_load(hulls->filter.radius[MLRT_PLACE_J + i] + v), width);
+            if (bundle->has.intercepts) width = v_add(v_load(hulls->filter.radius[MLRT_INTERCEPT_J + i] + v), width);
         }
         v_store(widths + v, width);
         least = v_min(v_select(going, width, v_set1(INFINITY)), least);
@@ -410,7 +412,7 @@ static int ends_closer(const struct mlrt_bundle *bundle)
     float spread = 0, width = 0;
     for (int i = 0; i < 2; ++i) {
         spread += whole->slope_hi[i] - whole->slope_lo[i];
-        width += whole->place_hi[i] - whole->place_lo[i];
+        width += whole->intercept_hi[i] - whole->intercept_lo[i];
     }
     return spread * (last - first) < width || fabsf(last) < fabsf(first);
 }
@@ -527,7 +529,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     begin_bundle(job, worker, bundle);
     bundle->arrays = NULL;
     bundle->state.going = bundle->state.apexes = cells;
-    bundle->has.places = 1;
+    bundle->has.intercepts = 1;
     if (!cells && !choose_waist(&job->tree->bvh.core, samples, sample_count, &bundle->cache->waist, &bundle->waist)) {
         return check_odd_packets(bundle, places);
     }
@@ -537,7 +539,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     bundle->has.apex = may_be_apex && find_apex(bundle, bundle->apex);
     const uint32_t others = add_packets(bundle, places);
     if (!bundle->state.going) return others;
-    bundle->has.places = (bundle->state.going & ~bundle->state.apexes) != 0;
+    bundle->has.intercepts = (bundle->state.going & ~bundle->state.apexes) != 0;
     finish_all_hulls(bundle);
     bundle->state.closed = mlrt_is_in_run(&worker->bundles->open_bundles[job->any]) ? 0 : bundle->state.going;
     bundle->state.closed |= cells;
@@ -621,7 +623,7 @@ static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_wo
 {
     begin_bundle(job, worker, bundle);
     bundle->has.apex = bundle->state.apexes && find_apex(bundle, bundle->apex);
-    bundle->has.places = (bundle->state.going & ~bundle->state.apexes) != 0;
+    bundle->has.intercepts = (bundle->state.going & ~bundle->state.apexes) != 0;
     set_scene_depths(&job->tree->bvh, bundle);
     for (uint32_t left = ~bundle->state.going & 0xFFFF; left; left &= left - 1)
         leave_bundle(bundle, mlrt_lowest_bit(left));

@@ -52,13 +52,13 @@ static uint32_t take_samples(const struct mlrt_ray_tile *tile, uint32_t places, 
     return count;
 }
 
-/* Means, variances and covariances of slopes and places of samples; places are relative to the point of a waist. */
+/* Means, variances and covariances of slopes and intercepts of samples, at the point of a waist. */
 struct sample_spread {
     float slope[2];
-    float place[2];
+    float intercept[2];
     float slope_slope;
-    float slope_place;
-    float place_place;
+    float slope_intercept;
+    float intercept_intercept;
 };
 
 static void find_spread(const struct ray_sample *samples, uint32_t count, const struct mlrt_waist *from,
@@ -77,29 +77,29 @@ static void find_spread(const struct ray_sample *samples, uint32_t count, const 
             const int j = mlrt_slope_axis(a, side);
             const float s = samples[i].direction[j] * scale, x = samples[i].origin[j] - from->point[j] - s * depth;
             of->slope[side] += s;
-            of->place[side] += x;
+            of->intercept[side] += x;
             of->slope_slope += s * s;
-            of->slope_place += s * x;
-            of->place_place += x * x;
+            of->slope_intercept += s * x;
+            of->intercept_intercept += x * x;
         }
     }
     const float share = 1 / taken;
     of->slope_slope *= share;
-    of->slope_place *= share;
-    of->place_place *= share;
+    of->slope_intercept *= share;
+    of->intercept_intercept *= share;
     MLRT_UNROLL
     for (int side = 0; side < 2; ++side) {
         of->slope[side] *= share;
-        of->place[side] *= share;
+        of->intercept[side] *= share;
         of->slope_slope -= of->slope[side] * of->slope[side];
-        of->slope_place -= of->slope[side] * of->place[side];
-        of->place_place -= of->place[side] * of->place[side];
+        of->slope_intercept -= of->slope[side] * of->intercept[side];
+        of->intercept_intercept -= of->intercept[side] * of->intercept[side];
     }
 }
 
 /*
- * Chooses the waist of rays from samples: at the depth where their places vary least, -cov(x, s) / var(s). The waist of
- * the last tile is kept while it is nearly as good, so that set-ups of leaves are shared. For rays that are nearly
+ * Chooses the waist of rays from samples: at the depth where they lie closest together, -cov(x, s) / var(s). The waist
+ * of the last tile is kept while it is nearly as good, so that set-ups of leaves are shared. For rays that are nearly
  * parallel the waist is in the middle of the scene. Returns 0 without samples.
  */
 static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struct ray_sample *samples, uint32_t count,
@@ -119,18 +119,18 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
     find_spread(samples, count, waist, &of);
     const float size = bounds->hi[a] - bounds->lo[a];
     const float lowest = waist->sign > 0 ? bounds->lo[a] - waist->point[a] : waist->point[a] - bounds->hi[a];
-    const int is_beam = !(of.slope_slope * size * size > 1e-8f * size * size + 1e-5f * of.place_place);
-    float depth = is_beam ? lowest + 0.5f * size : -of.slope_place / of.slope_slope;
+    const int is_beam = !(of.slope_slope * size * size > 1e-8f * size * size + 1e-5f * of.intercept_intercept);
+    float depth = is_beam ? lowest + 0.5f * size : -of.slope_intercept / of.slope_slope;
     if (!(depth > lowest - size)) depth = lowest - size;
     if (depth > lowest + 2 * size) depth = lowest + 2 * size;
     if (last->main_axis == a && last->sign == waist->sign && last->is_beam == is_beam) {
         const float there = (last->point[a] - waist->point[a]) * waist->sign, away = fabsf(there - lowest);
-        const float variance = of.place_place + there * (2 * of.slope_place + there * of.slope_slope);
-        const float least = of.place_place + depth * (2 * of.slope_place + depth * of.slope_slope);
+        const float variance = of.intercept_intercept + there * (2 * of.slope_intercept + there * of.slope_slope);
+        const float least = of.intercept_intercept + depth * (2 * of.slope_intercept + depth * of.slope_slope);
         const float other = (away + size) * (away + size);
         const float turn = (of.slope[0] - last->slope[0]) * (of.slope[0] - last->slope[0]) +
                            (of.slope[1] - last->slope[1]) * (of.slope[1] - last->slope[1]);
-        const int is_along = is_beam && turn * size * size <= 0.25f * of.place_place;
+        const int is_along = is_beam && turn * size * size <= 0.25f * of.intercept_intercept;
         if (variance <= 1.5f * least + 1e-3f * of.slope_slope * other && (is_beam ? is_along : away <= 3 * size)) {
             *waist = *last;
             return 1;
@@ -145,7 +145,7 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
     float step[3];
     step[a] = waist->sign * depth;
     MLRT_UNROLL
-    for (int side = 0; side < 2; ++side) step[mlrt_slope_axis(a, side)] = of.place[side] + of.slope[side] * depth;
+    for (int side = 0; side < 2; ++side) step[mlrt_slope_axis(a, side)] = of.intercept[side] + of.slope[side] * depth;
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) { /* a step that overflows is left out: the waist stays at the first sample's origin */
         if (fabsf(waist->point[k] + step[k]) <= MLRT_SAFE_MAX) waist->point[k] += step[k];

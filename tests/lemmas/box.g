@@ -3,8 +3,8 @@
 
 u = 1b-24;
 
-# Bundles: s z against c - x. The slope has two roundings, and it is moved, which takes one more; depth, product, sum, c.
-# A place is moved likewise, and takes part in the sum.
+# Bundles: s z against c - x. The slope has two roundings, and it is moved, which takes one more; depth, product, sum,
+# c. An intercept is moved likewise, and takes part in the sum.
 of_slope = (1 + 1b-20) * (1 + d1) * (1 + d2) * (1 + d3) * (1 + d4) * (1 + d5) * (1 + d6) * (1 + d7) - 1;
 of_place = (1 + 1b-20) * (1 + d1) * (1 + d2) * (1 + d3) - 1;
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Bounds of t made of bounds of tau = t |d_main|, or the other way round: a quotient or product q >= 0, as computed
-# fl(fl(fl(q) (1 - 2^-21)) - 2^-148), is not more than q, and with + in place of - not less. Each is q times 1 + a factor,
-# and an offset that underflow and the floor make. d are roundings, h is underflow.
+# fl(fl(fl(q) (1 - 2^-21)) - 2^-148), is not more than q, and with + in place of - not less. Each is q times 1 + a
+# factor, and an offset that underflow and the floor make. d are roundings, h is underflow.
 
 slack = 1b-21;
 lower_factor = (1 + d1) * (1 - slack) * (1 + d2) * (1 + d3) - 1;

@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: MIT
-# N = n . (a - w) + n . (w - o), in units of the size of n as computed: errors of terms relative to their magnitudes, whose
-# sums are F and A, and what DISTANCE_ERROR leaves after the rounding of N - E and N + E. Names as in edge.g.
+# N = n . (a - w) + n . (w - o), in units of the size of n as computed: errors of terms relative to their magnitudes,
+# whose sums are F and A, and what DISTANCE_ERROR leaves after the rounding of N - E and N + E. Names as in edge.g.
 
 u = 1b-24;
 sum = (1 + 5 * h1 / 1b-100) / ((1 + f1) * (1 + f2) * (1 + f3) * (1 + f4));
 
-# n: product, difference, 1 / size, product with it; product with a place; five sums or three. e of two edges, the place.
-corner_term = (1 + d1) * (1 + d2) * (1 + d3) * (1 + d4) * (1 + d5) * (1 + d6) * (1 + d7) * (1 + d8) * (1 + d9) * (1 + d10)
+# n: product, difference, 1 / size, product with it; product with an intercept; five sums or three. e of two edges, the
+# intercept.
+corner_term = (1 + d1) * (1 + d2) * (1 + d3) * (1 + d4) * (1 + d5) * (1 + d6) * (1 + d7) * (1 + d8) * (1 + d9) * (1 +
+d10)
               - (1 + e1) * (1 + e2) * (1 + e3);
 origin_term = (1 + d1) * (1 + d2) * (1 + d3) * (1 + d4) * (1 + d5) * (1 + d6) * (1 + d7) * (1 + d8)
               - (1 + e1) * (1 + e2) * (1 + e3);
 corner_error = corner_term * sum;
 origin_error = origin_term * sum;
 
-# Underflow: of n, and so relative to F + A; of products with places and of 16 u (F + A), where DISTANCE_FLOOR is more.
+# Underflow: of n, and so relative to F + A; of products with intercepts and of 16 u (F + A), where DISTANCE_FLOOR is
+# more.
 lost_of_n = 2 * h1 / 1b-100 * (1 + d1) + h2;
 lost = 7 * h3 * (1 + d1);
 left = 16 * u * (1 + f5) * (1 + f6) * (1 + f7) - 13.001 * u - 1b-46 - (1 + 17 * u) * u;

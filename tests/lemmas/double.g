@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 #@ -Eprecision=128
 # Determinants in double (exact/determinants.h): errors in units of the size as computed, the product of the sums of
-# the magnitudes of three vectors. d are the roundings of a product, e those of the differences in it, f those of a size.
+# the magnitudes of three vectors. d are the roundings of a product, e those of the differences in it, f those of a
+# size.
 
 u = 1b-53;
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# An edge function, C_z + s_j C_j + s_l C_l - x_j g_l + x_l g_j + m g_z, in units of its size as computed. Of each kind of
-# term the one with the most roundings, and its error relative to its magnitude; d are the roundings of this term, e
+# An edge function, C_z + s_j C_j + s_l C_l - x_j g_l + x_l g_j + m g_z, in units of its size as computed. Of each kind
+# of term the one with the most roundings, and its error relative to its magnitude; d are the roundings of this term, e
 # those of the differences and of the slope that it is made of, f and h roundings and underflow elsewhere.
 
 u = 1b-24;
@@ -9,11 +9,12 @@ u = 1b-24;
 sum = (1 + 5 * h1 / 1b-100) / ((1 + f1) * (1 + f2) * (1 + f3) * (1 + f4));
 
 # A product p g of C: product, difference, 1 / size, product with it, product with a slope, five sums; e of p, g, slope.
-slope_term = (1 + d1) * (1 + d2) * (1 + d3) * (1 + d4) * (1 + d5) * (1 + d6) * (1 + d7) * (1 + d8) * (1 + d9) * (1 + d10)
+slope_term = (1 + d1) * (1 + d2) * (1 + d3) * (1 + d4) * (1 + d5) * (1 + d6) * (1 + d7) * (1 + d8) * (1 + d9) * (1 +
+d10)
              - (1 + e1) * (1 + e2) * (1 + e3);
 slope_error = slope_term * sum;
 
-# g x: 1 / size, product with it, product with the place, three sums; e of g. The place is off by E y, |y| <= 1.
+# g x: 1 / size, product with it, product with the intercept, three sums; e of g. The intercept is off by E y, |y| <= 1.
 place_of_x = (1 + d1) * (1 + d2) * (1 + d3) * (1 + d4) * (1 + d5) * (1 + d6) - (1 + e1);
 place_of_e = (1 + e1) * y;
 

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: MIT
 #@ -Eprecision=100
-# The side of a plane on which all points e of a box lie, in double, relative to Z. d are the roundings of what is computed, f
-# those of Z. Each line is one kind of term with its error relative to its magnitude, which is at most Z.
+# The side of a plane on which all points e of a box lie, in double, relative to Z. d are the roundings of what is
+# computed, f those of Z. Each line is one kind of term with its error relative to its magnitude, which is at most Z.
 
 v = 1b-53;
 
-# p, of N at a point: the difference to a, n (two differences, product, difference), product, 2 sums; and 3 differences more.
-of_p = (1 + d1) * (1 + d2) * (1 + d3) * (1 + d4) * (1 + d5) * (1 + d6) * (1 + d7) * (1 + d8) * (1 + d9) * (1 + d10) * (1 + d11) - 1;
+# p, of N at a point: the difference to a, n (two differences, product, difference), product, 2 sums; and 3 differences
+# more.
+of_p = (1 + d1) * (1 + d2) * (1 + d3) * (1 + d4) * (1 + d5) * (1 + d6) * (1 + d7) * (1 + d8) * (1 + d9) * (1 + d10) * (1
++ d11) - 1;
 
 # n_k e_k: n, product, 3 differences.
 of_e = (1 + d1) * (1 + d2) * (1 + d3) * (1 + d4) * (1 + d5) * (1 + d6) * (1 + d7) * (1 + d8) - 1;

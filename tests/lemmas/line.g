@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 #@ -Eprecision=100
-# The line of two planes: C = V_1 n_2 - V_2 n_1 and g = n_2 x n_1 in double, then F, of which each kind of term has its error
-# relative to its magnitude. c and f are roundings to double of what is computed and of what its error is held against, d
-# roundings to float of this term, e of the slope that it is made of.
+# The line of two planes: C = V_1 n_2 - V_2 n_1 and g = n_2 x n_1 in double, then F, of which each kind of term has its
+# error relative to its magnitude. c and f are roundings to double of what is computed and of what its error is held
+# against, d roundings to float of this term, e of the slope that it is made of.
 
 u = 1b-24;
 v = 1b-53;
@@ -11,7 +11,8 @@ v = 1b-53;
 ten = (1 + c1) * (1 + c2) * (1 + c3) * (1 + c4) * (1 + c5) * (1 + c6) * (1 + c7) * (1 + c8) * (1 + c9) * (1 + c10);
 of_moment = ten * (1 + c11) * (1 + c12) * (1 + c13) * (1 + c14) - 1;
 of_along = ten - 1;
-bound_in_double = 16 * v * (1 + f1) * (1 + f2) * (1 + f3) * (1 + f4) * (1 + f5) * (1 + f6) * (1 + f7) * (1 + f8) * (1 + f9) * (1 + f10)
+bound_in_double = 16 * v * (1 + f1) * (1 + f2) * (1 + f3) * (1 + f4) * (1 + f5) * (1 + f6) * (1 + f7) * (1 + f8) * (1 +
+f9) * (1 + f10)
                   * (1 + f11) * (1 + f12) * (1 + f13) * (1 + f14);
 
 # C over S: S lacks two sums, 1 / S and the product with it have one each, and it becomes a float.

@@ -11,7 +11,8 @@ by_x = u * w / (1 + y * z);
 by_d = y / (1 + y * z);
 by_rounding = k * ((1 + d1) * (1 + d2) * (1 + d3) - 1);
 
-# The half-width as computed: products by two factors and a quotient for each of both parts, their sum, and q's own error.
+# The half-width as computed: products by two factors and a quotient for each of both parts, their sum, and q's own
+# error.
 width_of_x = 12 * u * (1 + f1) * (1 + f2) * (1 + f3) * (1 + f4);
 width_of_d = 9 * (1 + f1) * (1 + f2) * (1 + f3) * (1 + f4) * (1 + d1) * (1 + d2);
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-# A ray against the box of the scene (rays/meet_scene.h). Distances to planes, as computed, are t (1 + error) and at most
-# 2^-149 off where they underflow. Where the true near is at most the true far, `room` is what the comparison has to spare,
-# relative to the true far.
+# A ray against the box of the scene (rays/meet_scene.h). Distances to planes, as computed, are t (1 + error) and at
+# most 2^-149 off where they underflow. Where the true near is at most the true far, `room` is what the comparison has
+# to spare, relative to the true far.
 
 u = 1b-24;
 

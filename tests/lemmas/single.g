@@ -5,7 +5,8 @@
 
 u = 1b-24;
 
-# Product and difference of the cross product, product and two sums with the third vector; e of two differences, or three.
+# Product and difference of the cross product, product and two sums with the third vector; e of two differences, or
+# three.
 five = (1 + d1) * (1 + d2) * (1 + d3) * (1 + d4) * (1 + d5);
 edge = five - (1 + e1) * (1 + e2);
 distance = five - (1 + e1) * (1 + e2) * (1 + e3);

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# The slope of a ray, d_j / |d_main|, where it is not 0: of a lane a quotient, with one rounding; of a hull a product with
-# a reciprocal, with two, d1 and d2. Neither underflows. Bounds: u = 2^-24, and 2.001 u.
+# The slope of a ray, d_j / |d_main|, where it is not 0: of a lane a quotient, with one rounding; of a hull a product
+# with a reciprocal, with two, d1 and d2. Neither underflows. Bounds: u = 2^-24, and 2.001 u.
 
 @rnd = float<ieee_32, ne>;
 exact = across / pace;

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-# The place of a ray at the waist: x = o_j - s o_main, of differences o and a slope s as computed, in units of R A: so
-# |o_j| and |s o_main| are at most 1/2. d are the roundings of x, h is the underflow of its product, e are the roundings
-# of o_j, o_main and s. Bounds: 3.05 u R A + 2^-149 for a slope that is a quotient, as lanes have it; 3.55 u R A + 2^-149
-# for one that is a product with a reciprocal, as hulls are made of.
+# The intercept of a ray at the waist: x = o_j - s o_main, of differences o and a slope s as computed, in units of R A:
+# so |o_j| and |s o_main| are at most 1/2. d are the roundings of x, h is the underflow of its product, e are the
+# roundings of o_j, o_main and s. Bounds: 3.05 u R A + 2^-149 for a slope that is a quotient, as lanes have it; 3.55 u R
+# A + 2^-149 for one that is a product with a reciprocal, as hulls are made of.
 
 u = 1b-24;
 computed = (offset - along * (1 + d1)) * (1 + d2);
