@@ -44,7 +44,8 @@
  *
  * Numbers. Lengths are in the units of the mesh, t in units of the length of d, which may be any finite length.
  * Denormals are numbers like others, not 0. A call may be made in any floating-point environment (rounding,
- * flush-to-zero, exception masks): it sets the one that it needs, and restores the caller's.
+ * flush-to-zero, exception masks): it sets the one that it needs, and restores the caller's. Like any arithmetic, it may
+ * raise exception flags; it lowers none.
  *
  * Structs start with `struct_size`, which the caller sets to the struct's sizeof; the rest zero means default. Later
  * versions append fields, in multiples of 4 bytes, and never change the meaning or the place of a field that is here.

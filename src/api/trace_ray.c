@@ -91,15 +91,6 @@ static MLRT_NOINLINE int32_t trace_any_ray(const mlrt_tree *tree, const mlrt_ray
     return MLRT_OK;
 }
 
-/* Ends a call that turns out not to be a usual one. */
-static MLRT_NOINLINE int32_t trace_after_all(const mlrt_tree *tree, const mlrt_ray *ray,
-                                             const mlrt_trace_options *options, const mlrt_fp_environment *environment,
-                                             mlrt_hit *hit)
-{
-    mlrt_leave_fp_environment(environment); /* comparisons may have raised flags */
-    return trace_any_ray(tree, ray, options, hit);
-}
-
 /* Traces a ray that skips a triangle. */
 static MLRT_NOINLINE int32_t trace_skipping_ray(const mlrt_tree *tree, const mlrt_ray *ray,
                                                 const struct mlrt_kernels *kernels, struct mlrt_lone_ray *lone,
@@ -119,7 +110,7 @@ MLRT_INLINE int is_usual_call(const mlrt_tree *tree, const mlrt_ray *ray, const 
            (!options || mlrt_is_known_isa(options->isa));
 }
 
-/* Traces usual calls in the floating-point environment of the library; trace_any_ray traces the others. */
+/* Traces usual calls in the caller's floating-point environment, if it is as wanted; trace_any_ray traces the others. */
 MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                                 mlrt_hit *hit)
 {
@@ -130,17 +121,16 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
         return trace_any_ray(tree, ray, options, hit);
     const enum mlrt_lone_ray_kind kind = mlrt_take_lone_ray(&tree->bvh.whole, tree->bvh.reach, ray->origin,
                                                             ray->direction, ray->t_min, mlrt_resolve_t_max(ray), &lone);
-    if (kind == MLRT_LONE_RAY_NOT_CARRIED) return trace_after_all(tree, ray, options, &environment, hit);
+    if (kind == MLRT_LONE_RAY_NOT_CARRIED) return trace_any_ray(tree, ray, options, hit);
     if (kind == MLRT_LONE_RAY_MISSES) {
         mlrt_set_miss(options ? options->query : 0, hit);
     } else {
         const int32_t isa = options ? options->isa : MLRT_ISA_AUTO;
         const struct mlrt_kernels *kernels = mlrt_known_kernels(tree->structure, isa);
-        if (MLRT_UNLIKELY(!kernels)) return trace_after_all(tree, ray, options, &environment, hit);
+        if (MLRT_UNLIKELY(!kernels)) return trace_any_ray(tree, ray, options, hit);
         set_lone_ray(ray, options, &lone);
         lone.skip = MLRT_NONE;
         status = ray->flags ? trace_skipping_ray(tree, ray, kernels, &lone, hit) : kernels->trace_ray(tree, &lone, hit);
     }
-    mlrt_leave_fp_environment(&environment);
     return status;
 }

@@ -24,7 +24,7 @@
  *     13.001 u R + (8.1 u X + 1.01 E) R rho + 2^-48 R.
  *
  * EDGE_ERROR makes 14 u R of the first term. BLUR_OF_INTERCEPT, INTERCEPT_ERROR and INTERCEPT_FLOOR make 13 u X + 4 u R
- * A + 2^-140 of the bracket. The difference covers the last term, and the roundings of the bound itself. If all rays
+ * A + 2^-110 of the bracket. The difference covers the last term, and the roundings of the bound itself. If all rays
  * start at the waist, 14 u R is enough. Where a processor multiplies and adds at once, there are fewer roundings.
  *
  * DISTANCES. By L6 D is off by 10.001 u R. Let F be the greatest of |z|, 2 |x_j|, 2 |x_l| of corner a relative to the

@@ -23,7 +23,7 @@
  *
  *     8.001 u R + (6.1 u X + 1.01 E) R rho,    rho = G / S.
  *
- * Edge functions have the bound 14 u R + (13 u X + 4 u R A + 2^-140) R rho. As |s| <= R / 2, S' adds R S' / S to the
+ * Edge functions have the bound 14 u R + (13 u X + 4 u R A + 2^-110) R rho. As |s| <= R / 2, S' adds R S' / S to the
  * error of F / S, and G' adds X R G' / S. To the bound, S' adds 14 / 6 of the former, and G' 13 / 6 of the latter:
  * twice as much as is needed.
  *

@@ -25,7 +25,7 @@ moment_of_e = (1 + e1) * 1.001 * y;
 # Underflow: in C over a size of at least 2^-100, in a coefficient times a term of up to 2^65, and in six products.
 lost = 2 * h1 / 1b-100 * (1 + d1) + h2 + h3 * 1b65 + 6 * h4;
 
-# The bound as computed: 14 u R + (13 u X + 4 u R A + 2^-140) R rho, where rho lacks 5 u of itself.
+# The bound as computed: 14 u R + (13 u X + 4 u R A + 2^-110) R rho, where rho lacks 5 u of itself.
 bound_of_r = 14 * u * (1 + f1) * (1 + f2);
 blur = (1 + f1) * (1 + f2) * (1 + f3) * (1 + f4) * (1 - 5 * u);
 bound_of_x = 13 * u * blur * (1 + f5);
