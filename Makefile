@@ -510,7 +510,7 @@ $(BUILD)/tests/test_churn: $(BUILD)/tests/test_churn.o $(BUILD)/libmlrt.a
 $(BUILD)/tests/test_copies: | $(BUILD)/libmlrt.so
 
 # print_golden needs only the library and the procedural scenes: the same list as in tests/golden.sh.
-GOLDEN_COMMON := $(patsubst %,$(BUILD)/examples/common/%.o,scene import ply_check room office building doubled scan furniture shapes steady_math)
+GOLDEN_COMMON := $(patsubst %,$(BUILD)/examples/common/%.o,scene import ply_check file room office building doubled scan furniture shapes steady_math)
 $(BUILD)/tests/print_golden: $(BUILD)/tests/print_golden.o $(BUILD)/tests/golden.o $(GOLDEN_COMMON) $(BUILD)/libmlrt.a
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 

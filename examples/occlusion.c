@@ -10,6 +10,7 @@
  *
  * Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
  */
+#include "common/file.h"
 #include "common/interior.h"
 #include "common/must.h"
 #include "common/options.h"
@@ -18,6 +19,7 @@
 #include "common/tree.h"
 #include "common/view.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -161,16 +163,13 @@ static float diagonal(const struct scene *scene)
 
 static int write_picture(const char *path, const uint8_t *grey, uint32_t width, uint32_t height)
 {
-    FILE *file = fopen(path, "wb");
-    int failed = !file;
-    if (file) {
-        const size_t count = (size_t)width * height;
-        failed |= fprintf(file, "P5\n%u %u\n255\n", (unsigned)width, (unsigned)height) < 0;
-        failed |= fwrite(grey, 1, count, file) != count;
-        failed |= fclose(file) != 0;
-    }
-    if (failed) fprintf(stderr, "%s: cannot be written\n", path);
-    return failed;
+    struct output_file output;
+    const size_t count = (size_t)width * height;
+    if (open_output(path, &output)) return 1;
+    int failed = fprintf(output.file, "P5\n%u %u\n255\n", (unsigned)width, (unsigned)height) < 0;
+    failed |= fwrite(grey, 1, count, output.file) != count;
+    if (failed) fprintf(stderr, "%s: cannot be written: %s\n", path, strerror(errno));
+    return close_output(&output, failed);
 }
 
 static int draw_scene(const struct settings *settings, const struct scene *scene, const mlrt_tree *tree,

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "common/interior.h"
@@ -15,12 +16,13 @@
 
 enum { OUTPUT_SIZE = 16384 };
 
-/* Runs a program of the build. Returns its exit code; what it printed goes to `output`, also what it said on stderr. */
-static int run(const char *command, char output[OUTPUT_SIZE])
+/* Runs a program of the build, after other words for the shell. Returns its exit code; what it printed goes to
+ * `output`, also what it said on stderr. */
+static int run_after(const char *before, const char *command, char output[OUTPUT_SIZE])
 {
     char line[1024];
     const char *build = getenv("BUILD");
-    snprintf(line, sizeof line, "%s/bin/%s 2>&1", build ? build : "build", command);
+    snprintf(line, sizeof line, "%s %s/bin/%s 2>&1", before, build ? build : "build", command);
     FILE *pipe = popen(line, "r");
     assert_non_null(pipe);
     const size_t size = fread(output, 1, OUTPUT_SIZE - 1, pipe);
@@ -28,6 +30,11 @@ static int run(const char *command, char output[OUTPUT_SIZE])
     const int status = pclose(pipe);
     assert_true(WIFEXITED(status));
     return WEXITSTATUS(status);
+}
+
+static int run(const char *command, char output[OUTPUT_SIZE])
+{
+    return run_after("", command, output);
 }
 
 /* render is there only with libpng. */
@@ -105,6 +112,69 @@ static void maps_are_drawn(void **state)
     assert_int_equal(run("render room --map colours -o x.png", output), 2);
 }
 
+/* ---- files ------------------------------------------------------------------------------------------------------- */
+
+static void write_text(const char *path, const char *text)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(text, 1, strlen(text), file), strlen(text));
+    assert_int_equal(fclose(file), 0);
+}
+
+static size_t size_of(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 ? (size_t)status.st_size : 0;
+}
+
+/* No file may grow beyond a block, as if the disk were full. */
+static void files_are_written_whole_or_not_at_all(void **state)
+{
+    static const char *const commands[] = {"inspect room --save %s", "occlusion --size 64 -o %s",
+                                           "render room --shadows --size 64x64 -o %s"};
+    char output[OUTPUT_SIZE], command[256], folder[] = "/tmp/mlrt-files-XXXXXX", path[64], part[80], link[64];
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/file.png", folder);
+    snprintf(part, sizeof part, "%s.part", path);
+    snprintf(link, sizeof link, "%s/link.png", folder);
+    assert_int_equal(symlink("file.png", link), 0);
+    for (int i = 0; i < 2 + have_render(); i++) {
+        write_text(path, "as it was");
+        snprintf(command, sizeof command, commands[i], path);
+        assert_int_equal(run_after("trap '' XFSZ; ulimit -f 1;", command, output), 1);
+        assert_non_null(strstr(output, "cannot "));
+        assert_int_equal(size_of(path), strlen("as it was"));
+        assert_int_not_equal(access(part, F_OK), 0);
+        snprintf(command, sizeof command, commands[i], link);
+        assert_int_equal(run(command, output), 0);
+        assert_true(size_of(path) > strlen("as it was")); // a link leads to the file, and stays a link
+    }
+    assert_int_equal(unlink(link), 0);
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(rmdir(folder), 0);
+}
+
+/* Reading of a pipe that nobody writes to would never end. */
+static void only_files_are_read(void **state)
+{
+    static const char *const commands[] = {"inspect %s", "inspect --load %s", "occlusion --size 16 --view %s:hall"};
+    char output[OUTPUT_SIZE], command[256], folder[] = "/tmp/mlrt-files-XXXXXX", path[64];
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/pipe.ply", folder);
+    assert_int_equal(mkfifo(path, 0600), 0);
+    for (int i = 0; i < 3; i++) {
+        snprintf(command, sizeof command, commands[i], path);
+        assert_int_equal(run(command, output), 1);
+        snprintf(command, sizeof command, commands[i], folder);
+        assert_int_equal(run(command, output), 1);
+    }
+    unlink(path);
+    rmdir(folder);
+}
+
 /* ---- views --------------------------------------------------------------------------------------------------- */
 
 /* A box from 0 to `size`, whose fronts are outside, or inside. */
@@ -173,6 +243,8 @@ int main(void)
         cmocka_unit_test(a_word_without_a_dash_is_a_scene),
         cmocka_unit_test(pictures_have_a_name_that_says_what_they_are),
         cmocka_unit_test(maps_are_drawn),
+        cmocka_unit_test(files_are_written_whole_or_not_at_all),
+        cmocka_unit_test(only_files_are_read),
         cmocka_unit_test(rooms_are_seen_from_inside),
         cmocka_unit_test(scenes_without_triangles_keep_their_view),
     };

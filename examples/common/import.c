@@ -8,6 +8,8 @@
 
 #ifdef HAVE_ASSIMP
 
+#include "file.h"
+
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -150,7 +152,15 @@ static const struct aiScene *import_triangles(const char *path, const char **pro
 
 int import_mesh(const char *path, struct scene *scene)
 {
-    const char *problem = check_ply(path);
+    const char *problem = find_input_problem(path);
+    if (problem) {
+        fprintf(stderr,
+                "%s: neither a file that can be read (%s) nor one of the scenes room, office, building, doubled, scan, "
+                "scan:N\n",
+                path, problem);
+        return 1;
+    }
+    problem = check_ply(path);
     const struct aiScene *file = problem ? NULL : import_triangles(path, &problem);
     if (!file) {
         fprintf(stderr, "%s: %s\n", path, problem);
@@ -170,7 +180,7 @@ int import_mesh(const char *path, struct scene *scene)
         stderr,
         "%s: this program was built without assimp, the library that reads mesh files. Install it (Debian, Ubuntu:\n"
         "apt-get install libassimp-dev; or: make deps) and build again. Procedural scenes need no file: room, office,\n"
-        "building, scan, scan:N\n",
+        "building, doubled, scan, scan:N\n",
         path);
     return 1;
 }

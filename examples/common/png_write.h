@@ -6,8 +6,8 @@
 #include <stdint.h>
 
 /*
- * Writes 3 bytes (red, green, blue, as sRGB) per pixel, rows from the top. The file appears whole or not at all: it is
- * written under another name beside `path` and renamed. Returns 0, or 1 after a message on stderr.
+ * Writes 3 bytes (red, green, blue, as sRGB) per pixel, rows from the top. The file appears whole or not at all
+ * (file.h). Returns 0, or 1 after a message on stderr.
  */
 int write_png(const char *path, uint32_t width, uint32_t height, const uint8_t *rgb);
 

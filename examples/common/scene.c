@@ -77,13 +77,6 @@ static int make_scene(const char *name, struct shapes *shapes)
     return 0;
 }
 
-static int exists(const char *path)
-{
-    FILE *file = fopen(path, "rb");
-    if (file) fclose(file);
-    return file != NULL;
-}
-
 int load_scene(const char *name_or_path, struct scene *scene)
 {
     memset(scene, 0, sizeof *scene);
@@ -100,13 +93,6 @@ int load_scene(const char *name_or_path, struct scene *scene)
         return 1;
     }
     if (made) return 0;
-    if (!exists(name_or_path)) {
-        fprintf(
-            stderr,
-            "%s: neither a file that can be read nor one of the scenes room, office, building, doubled, scan, scan:N\n",
-            name_or_path);
-        return 1;
-    }
     if (import_mesh(name_or_path, scene)) {
         free_scene(scene);
         return 1;

@@ -3,8 +3,10 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tree_file.h"
 
+#include "file.h"
 #include "timer.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,11 +19,11 @@
 
 static int write_file(const char *name, const void *data, size_t size)
 {
-    FILE *file = fopen(name, "wb");
-    int failed = file == NULL || fwrite(data, 1, size, file) != size;
-    if (file != NULL && fclose(file) != 0) failed = 1;
-    if (failed) fprintf(stderr, "%s: cannot be written\n", name);
-    return failed;
+    struct output_file output;
+    if (open_output(name, &output)) return 1;
+    const int failed = fwrite(data, 1, size, output.file) != size;
+    if (failed) fprintf(stderr, "%s: cannot be written: %s\n", name, strerror(errno));
+    return close_output(&output, failed);
 }
 
 int save_tree(const mlrt_tree *tree, const char *name, double *seconds)
@@ -47,13 +49,15 @@ static const void *map_file(const char *name, size_t *size)
 {
     struct stat status;
     void *data = MAP_FAILED;
-    const int descriptor = open(name, O_RDONLY);
+    const char *problem = find_input_problem(name);
+    const int descriptor = problem ? -1 : open(name, O_RDONLY);
     if (descriptor >= 0 && fstat(descriptor, &status) == 0 && status.st_size > 0) {
         *size = (size_t)status.st_size;
         data = mmap(NULL, *size, PROT_READ, MAP_PRIVATE, descriptor, 0);
     }
     if (descriptor >= 0) close(descriptor);
-    if (data == MAP_FAILED) fprintf(stderr, "%s: cannot be read\n", name);
+    if (data == MAP_FAILED)
+        fprintf(stderr, "%s: cannot be read%s%s\n", name, problem ? ": " : "", problem ? problem : "");
     return data == MAP_FAILED ? NULL : data;
 }
 

@@ -6,6 +6,8 @@
 
 #ifdef HAVE_CJSON
 
+#include "file.h"
+
 #include <cJSON.h>
 
 #include <errno.h>
@@ -16,12 +18,13 @@ enum { MAXIMUM_FILE_SIZE = 16 << 20 };
 
 static char *read_text(const char *path)
 {
-    FILE *file = fopen(path, "rb");
+    const char *problem = find_input_problem(path);
+    FILE *file = problem ? NULL : fopen(path, "rb");
     char *text = NULL;
     long size = -1;
     if (file && fseek(file, 0, SEEK_END) == 0) size = ftell(file);
     if (size < 0) {
-        fprintf(stderr, "%s: %s\n", path, strerror(errno));
+        fprintf(stderr, "%s: %s\n", path, problem ? problem : strerror(errno));
     } else if (size > MAXIMUM_FILE_SIZE) {
         fprintf(stderr, "%s: too large for a file of views\n", path);
     } else {
