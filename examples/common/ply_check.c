@@ -17,6 +17,13 @@ static int starts_with(const char *line, const char *word)
     return strncmp(line, word, strlen(word)) == 0;
 }
 
+// As assimp has it: in any mixture of cases.
+static int is_magic(const char *line)
+{
+    return (line[0] == 'p' || line[0] == 'P') && (line[1] == 'l' || line[1] == 'L') &&
+           (line[2] == 'y' || line[2] == 'Y');
+}
+
 // Reads up to and with "end_header"; *line_count receives the lines that follow in a text file, 0 for a binary one.
 static const char *check_header(FILE *file, unsigned long long *line_count)
 {
@@ -50,7 +57,7 @@ const char *check_ply(const char *path)
     char magic[5] = "";
     const char *problem = NULL;
     unsigned long long line_count;
-    if (fgets(magic, sizeof magic, file) && (starts_with(magic, "ply") || starts_with(magic, "PLY"))) {
+    if (fgets(magic, sizeof magic, file) && is_magic(magic)) {
         problem = check_header(file, &line_count);
         if (!problem) problem = check_lines(file, line_count);
     }
