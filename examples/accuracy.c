@@ -9,6 +9,7 @@
  * Exit codes: 0, 1 if something failed or a method of the library decided wrongly, 2 for a mistake on the command line.
  */
 #include "common/options.h"
+#include "common/report.h"
 #include "common/terminal.h"
 #include "common/timer.h"
 #include "study/guess.h"
@@ -323,7 +324,5 @@ int main(int argc, char **argv)
     clear_work();
     tell("measured for %.1f s", seconds_now() - start);
     if (guilty) fputs("a method of the library decided wrongly: see above\n", stderr);
-    if (fflush(stdout) == 0) return failed || guilty;
-    perror("standard output");
-    return 1;
+    return end_output(failed || guilty);
 }

@@ -21,6 +21,7 @@
 #include "bench/contest.h"
 #include "bench/study.h"
 #include "common/options.h"
+#include "common/report.h"
 #include "common/terminal.h"
 #include "common/timer.h"
 #include "common/tree.h"
@@ -274,5 +275,5 @@ int main(int argc, char **argv)
     const int failed = settings.study == STUDY_NONE ? bench_scenes(&settings) : run_study(&settings);
     tell("measured for %.1f s", seconds_now() - start);
     if (settings.old) close_library(&old);
-    return failed;
+    return end_output(failed);
 }

@@ -12,6 +12,7 @@
  */
 #include "common/must.h"
 #include "common/options.h"
+#include "common/report.h"
 #include "common/scene.h"
 #include "common/shapes.h"
 #include "common/steady_math.h"
@@ -461,5 +462,5 @@ int main(int argc, char **argv)
     int exit_code;
     if (!parse_options("depth - how much kd-tree a scene needs", options, LENGTH(options), argc, argv, &exit_code))
         return exit_code;
-    return settings.scenes.count ? study_depths(&settings) : study_small_meshes(&settings);
+    return end_output(settings.scenes.count ? study_depths(&settings) : study_small_meshes(&settings));
 }

@@ -245,5 +245,5 @@ int main(int argc, char **argv)
     print_count("heap_held_size", engine.heap.held_size); // 0, also after an error or a cancelled load
     const int leaks = engine.heap.held_size != 0;
     heap_end(&engine.heap);
-    return leaks || (status != MLRT_OK && status != MLRT_ERROR_CANCELLED);
+    return end_output(leaks || (status != MLRT_OK && status != MLRT_ERROR_CANCELLED));
 }

@@ -13,6 +13,7 @@
 #include "common/label.h"
 #include "common/options.h"
 #include "common/png_write.h"
+#include "common/report.h"
 #include "common/terminal.h"
 #include "common/view.h"
 #include "study/guess.h"
@@ -363,5 +364,5 @@ int main(int argc, char **argv)
     const int failed = page.failed || write_png(output, page.canvas.width, page.canvas.height, page.canvas.rgb);
     free(page.canvas.rgb);
     if (page.guilty) fputs("the library was wrong: see the table\n", stderr);
-    return failed || page.guilty;
+    return end_output(failed || page.guilty);
 }

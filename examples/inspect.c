@@ -104,7 +104,7 @@ int main(int argc, char **argv)
         return exit_code;
     build.traversal_cost = (float)traversal;
     build.intersection_cost = (float)intersection;
-    if (load_name != NULL) return inspect_file(load_name);
+    if (load_name != NULL) return end_output(inspect_file(load_name));
     if (check_tree_settings(&build)) return 2;
     if (threads != 1 && mlrt_create_pool(threads, &build.pool) != MLRT_OK) {
         fprintf(stderr, "cannot start %u threads\n", (unsigned)threads);
@@ -112,5 +112,5 @@ int main(int argc, char **argv)
     }
     int failed = inspect(scene, &build, save_name, cancel_count);
     mlrt_destroy_pool(build.pool);
-    return failed;
+    return end_output(failed);
 }

@@ -14,6 +14,7 @@
 #include "common/interior.h"
 #include "common/must.h"
 #include "common/options.h"
+#include "common/report.h"
 #include "common/scene.h"
 #include "common/timer.h"
 #include "common/tree.h"
@@ -234,5 +235,5 @@ int main(int argc, char **argv)
     mlrt_destroy_pool(pool);
     mlrt_destroy_tree(tree);
     free_scene(&scene);
-    return failed;
+    return end_output(failed);
 }

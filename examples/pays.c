@@ -16,6 +16,7 @@
  */
 #include "common/must.h"
 #include "common/options.h"
+#include "common/report.h"
 #include "common/scene.h"
 #include "common/steady_math.h"
 #include "common/terminal.h"
@@ -299,5 +300,5 @@ int main(int argc, char **argv)
     else
         printf("%-18s %9s %-22s %12s %10s %10s %6s %12s\n", "scene", "triangles", "structure", "build s", "picture ns",
                "single ns", "leaf", "bytes");
-    return settings.scenes.count ? study_scenes(&settings) : study_spheres(&settings);
+    return end_output(settings.scenes.count ? study_scenes(&settings) : study_spheres(&settings));
 }

@@ -20,6 +20,7 @@
 #include "common/loaded_library.h"
 #include "common/must.h"
 #include "common/options.h"
+#include "common/report.h"
 #include "common/scene.h"
 #include "common/timer.h"
 #include "common/tree.h"
@@ -344,5 +345,5 @@ int main(int argc, char **argv)
                        &exit_code))
         return exit_code;
     if (settings.scenes.count == 0) settings.scenes = (struct word_list){4, {"room", "office", "building", "scan"}};
-    return run(&settings);
+    return end_output(run(&settings));
 }

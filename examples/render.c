@@ -329,10 +329,7 @@ static int run(struct session *session)
     if (prepare(session)) return 1;
     if ((s->output || s->frames) && make_picture(session)) return 1;
     if (s->stats && print_stats(session)) return 1;
-    if (s->hash && print_hashes(session)) return 1;
-    if (fflush(stdout) == 0) return 0;
-    perror("standard output");
-    return 1;
+    return s->hash && print_hashes(session);
 }
 
 int main(int argc, char **argv)
@@ -354,5 +351,5 @@ int main(int argc, char **argv)
     mlrt_destroy_pool(session.pool);
     mlrt_destroy_tree(session.tree);
     free_scene(&session.scene);
-    return failed;
+    return end_output(failed);
 }

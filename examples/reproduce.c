@@ -18,6 +18,7 @@
 #include "common/hash.h"
 #include "common/interior.h"
 #include "common/options.h"
+#include "common/report.h"
 #include "common/scene.h"
 #include "common/terminal.h"
 #include "common/timer.h"
@@ -1219,7 +1220,5 @@ int main(int argc, char **argv)
     }
     int failed = measure_scenes(&settings, pool);
     mlrt_destroy_pool(pool);
-    if (fflush(stdout) == 0) return failed;
-    perror("standard output");
-    return 1;
+    return end_output(failed);
 }

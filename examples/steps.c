@@ -18,6 +18,7 @@
  */
 #include "common/must.h"
 #include "common/options.h"
+#include "common/report.h"
 #include "common/scene.h"
 #include "common/steady_math.h"
 #include "common/timer.h"
@@ -390,5 +391,5 @@ int main(int argc, char **argv)
     for (size_t i = 0; i < settings.scenes.count && !failed; i++) {
         failed = study_scene(&settings, settings.scenes.words[i]);
     }
-    return failed;
+    return end_output(failed);
 }

@@ -175,6 +175,47 @@ static void only_files_are_read(void **state)
     rmdir(folder);
 }
 
+/* assimp would read the header of each for ever. */
+static void ply_files_that_are_cut_off_are_refused(void **state)
+{
+    static const char *const starts[] = {"ply", "PLY", "Ply", "pLY"};
+    char output[OUTPUT_SIZE], command[256], folder[] = "/tmp/mlrt-files-XXXXXX", path[64], text[128];
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/mesh.ply", folder);
+    for (int i = 0; i < 4; i++) {
+        snprintf(text, sizeof text, "%s\nformat ascii 1.0\nelement vertex 3\n", starts[i]);
+        write_text(path, text);
+        snprintf(command, sizeof command, "inspect %s", path);
+        assert_int_equal(run(command, output), 1);
+        assert_non_null(strstr(output, path));
+    }
+    unlink(path);
+    rmdir(folder);
+}
+
+/* What cannot be written is missing, so the program has failed. Only Linux has a device that is always full. */
+static void output_that_is_lost_is_a_failure(void **state)
+{
+    static const char *const commands[] = {"inspect room",
+                                           "inspect --help",
+                                           "inspect --version",
+                                           "occlusion --size 16",
+                                           "engine --frames 1 --size 16x16 --quiet",
+                                           "pays --largest 0 --runs 1",
+                                           "depth --scene room --size 16 --rays 16 --runs 1 --limit 20",
+                                           "price --worst --scene room --size 16 --runs 1",
+                                           "steps --scene room --size 64 --runs 1",
+                                           "bench --alone --scene room --size 64 --runs 1 --kind frame",
+                                           "reproduce --scene room --size 64 --runs 1 --only 7"};
+    char output[OUTPUT_SIZE];
+    (void)state;
+    if (access("/dev/full", W_OK) != 0) skip();
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        assert_int_equal(run_after("exec >/dev/full;", commands[i], output), 1);
+    }
+}
+
 /* ---- views --------------------------------------------------------------------------------------------------- */
 
 /* A box from 0 to `size`, whose fronts are outside, or inside. */
@@ -245,6 +286,8 @@ int main(void)
         cmocka_unit_test(maps_are_drawn),
         cmocka_unit_test(files_are_written_whole_or_not_at_all),
         cmocka_unit_test(only_files_are_read),
+        cmocka_unit_test(ply_files_that_are_cut_off_are_refused),
+        cmocka_unit_test(output_that_is_lost_is_a_failure),
         cmocka_unit_test(rooms_are_seen_from_inside),
         cmocka_unit_test(scenes_without_triangles_keep_their_view),
     };

@@ -2,6 +2,8 @@
 /* options.c - command line options from a table: see options.h */
 #include "options.h"
 
+#include "report.h"
+
 #include <mlrt.h>
 
 #include <errno.h>
@@ -232,7 +234,7 @@ int parse_options(const char *purpose, const struct option *options, size_t coun
                 print_help(purpose, options, count);
             else
                 print_version(purpose);
-            *exit_code = 0;
+            *exit_code = end_output(0);
             return 0;
         }
         if (!read_option(options, count, &argument)) {

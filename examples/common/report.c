@@ -79,3 +79,12 @@ void print_counters(const char *prefix, const mlrt_counters *c)
         print_ratio(name, (double)ratios[i].value, (double)ratios[i].divisor);
     }
 }
+
+int end_output(int failed)
+{
+    // What was lost earlier has left its mark, and fflush may have nothing left to lose.
+    const int is_lost = ferror(stdout) != 0;
+    if (fflush(stdout) == 0 && !is_lost) return failed;
+    fputs("standard output: not all could be written\n", stderr);
+    return 1;
+}

@@ -18,4 +18,10 @@ void print_vector(const char *name, const float value[3]);
 /* Every field of the counters as PREFIX_name, and what follows from them per packet and per beam. */
 void print_counters(const char *prefix, const mlrt_counters *counters);
 
+/*
+ * For the end of a program. Returns `failed`, or 1 after a message on stderr if not all that was printed could be
+ * written to stdout.
+ */
+int end_output(int failed);
+
 #endif
