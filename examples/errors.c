@@ -11,6 +11,7 @@
  * Exit codes: 0, 1 if something failed or the library was wrong anywhere, 2 for a mistake on the command line.
  */
 #include "common/label.h"
+#include "common/must.h"
 #include "common/options.h"
 #include "common/png_write.h"
 #include "common/report.h"
@@ -185,7 +186,7 @@ static int make_rays(const mlrt_camera *camera, struct ray_set *rays)
     rays->is_picture = 1;
     rays->camera = *camera;
     const mlrt_array origins = {rays->origins, 0, 0}, directions = {rays->directions, 0, 0};
-    return mlrt_camera_rays(camera, &origins, &directions) != MLRT_OK;
+    return has_failed(mlrt_camera_rays(camera, &origins, &directions), "make the camera's rays");
 }
 
 /* ---- pictures ------------------------------------------------------------------------------------------------ */

@@ -7,6 +7,7 @@
  * Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
  */
 #include "common/cancel.h"
+#include "common/must.h"
 #include "common/options.h"
 #include "common/report.h"
 #include "common/scene.h"
@@ -106,10 +107,7 @@ int main(int argc, char **argv)
     build.intersection_cost = (float)intersection;
     if (load_name != NULL) return end_output(inspect_file(load_name));
     if (check_tree_settings(&build)) return 2;
-    if (threads != 1 && mlrt_create_pool(threads, &build.pool) != MLRT_OK) {
-        fprintf(stderr, "cannot start %u threads\n", (unsigned)threads);
-        return 1;
-    }
+    if (threads != 1 && has_failed(mlrt_create_pool(threads, &build.pool), "start threads")) return 1;
     int failed = inspect(scene, &build, save_name, cancel_count);
     mlrt_destroy_pool(build.pool);
     return end_output(failed);

@@ -10,6 +10,7 @@
 #include "common/hash.h"
 #include "common/interior.h"
 #include "common/map.h"
+#include "common/must.h"
 #include "common/options.h"
 #include "common/png_write.h"
 #include "common/report.h"
@@ -216,8 +217,7 @@ static int render_frame(struct session *session, int everything, mlrt_counters *
     int32_t status = mlrt_render_tiles(session->tree, &session->camera, &options, shades ? NULL : &hits,
                                        shades ? shade_tile : NULL, shading);
     clear_progress(&line);
-    if (status != MLRT_OK) fprintf(stderr, "cannot render: %s\n", mlrt_status_string(status));
-    return status != MLRT_OK;
+    return has_failed(status, "render");
 }
 
 static int compare_doubles(const void *a, const void *b)
@@ -291,13 +291,7 @@ static int prepare(struct session *session)
     if (failed) return 1;
     tell("%zu triangles, tree built in %.2f s", session->scene.triangle_count, build_seconds);
     if (s->stats) print_number("load_seconds", load_seconds);
-    if (s->threads != 1) {
-        int32_t status = mlrt_create_pool(s->threads, &session->pool);
-        if (status != MLRT_OK) {
-            fprintf(stderr, "cannot start threads: %s\n", mlrt_status_string(status));
-            return 1;
-        }
-    }
+    if (s->threads != 1 && has_failed(mlrt_create_pool(s->threads, &session->pool), "start threads")) return 1;
     struct shading *shading = &session->shading;
     shading->scene = &session->scene;
     shading->camera = &session->camera;

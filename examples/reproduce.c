@@ -17,6 +17,7 @@
 #include "bench/peer_frame.h"
 #include "common/hash.h"
 #include "common/interior.h"
+#include "common/must.h"
 #include "common/options.h"
 #include "common/report.h"
 #include "common/scene.h"
@@ -1213,11 +1214,7 @@ int main(int argc, char **argv)
     if (!read_settings(&settings, argc, argv, &exit_code)) return exit_code;
     setvbuf(stdout, NULL, _IOLBF, 0);
     mlrt_pool *pool;
-    int32_t status = mlrt_create_pool(settings.threads, &pool);
-    if (status != MLRT_OK) {
-        fprintf(stderr, "cannot start threads: %s\n", mlrt_status_string(status));
-        return 1;
-    }
+    if (has_failed(mlrt_create_pool(settings.threads, &pool), "start threads")) return 1;
     int failed = measure_scenes(&settings, pool);
     mlrt_destroy_pool(pool);
     return end_output(failed);

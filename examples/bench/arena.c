@@ -2,6 +2,7 @@
 /* arena.c - a scene, its trees and the contenders: see arena.h */
 #include "arena.h"
 
+#include "common/must.h"
 #include "common/timer.h"
 #include "common/tree.h"
 
@@ -78,8 +79,11 @@ int open_arena(const struct bench_settings *settings, const char *word, struct a
     memset(arena, 0, sizeof *arena);
     arena->old = settings->old;
     if (settings->threads > 1) {
-        if (mlrt_create_pool(settings->threads, &arena->pool) != MLRT_OK) return 1;
-        if (arena->old && arena->old->create_pool(settings->threads, &arena->old_pool) != MLRT_OK) return 1;
+        if (has_failed(mlrt_create_pool(settings->threads, &arena->pool), "start threads")) return 1;
+        if (arena->old && arena->old->create_pool(settings->threads, &arena->old_pool) != MLRT_OK) {
+            fputs("the old library cannot start threads\n", stderr);
+            return 1;
+        }
         arena->crew = create_crew(settings->threads);
         if (!arena->crew) return 1;
     }

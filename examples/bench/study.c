@@ -5,6 +5,7 @@
 #include "calls.h"
 #include "cost_study.h"
 
+#include "common/must.h"
 #include "common/timer.h"
 #include "common/tree.h"
 
@@ -177,7 +178,7 @@ static int build_scene(const struct bench_settings *settings, mlrt_pool *pool, c
 static int study_build(const struct bench_settings *settings)
 {
     mlrt_pool *pool;
-    int failed = mlrt_create_pool(settings->threads, &pool) != MLRT_OK;
+    int failed = has_failed(mlrt_create_pool(settings->threads, &pool), "start threads");
     puts("scene,triangles,builder,threads,seconds,processor_seconds,bytes_per_triangle");
     for (size_t i = 0; i < settings->scenes.count && !failed; i++) {
         failed = build_scene(settings, pool, settings->scenes.words[i]);

@@ -2,6 +2,7 @@
 /* task.c - scenes, views and rays: see task.h */
 #include "task.h"
 
+#include "common/must.h"
 #include "common/timer.h"
 #include "study/meshes.h"
 
@@ -228,8 +229,7 @@ static int find_hits(const struct subject *subject, const mlrt_tree *tree, mlrt_
                              .triangle = {hits->triangle, 0, 0},
                              .facing = {hits->facing, 0, 0}};
     const int32_t status = mlrt_render_tiles(tree, &subject->camera, &options, &frame, NULL, NULL);
-    if (status != MLRT_OK) fprintf(stderr, "cannot trace: %s\n", mlrt_status_string(status));
-    return status != MLRT_OK;
+    return has_failed(status, "trace");
 }
 
 // Just off the surface, on the side that the ray came from. Returns 0 for a miss.
@@ -334,8 +334,8 @@ static int make_camera_arrays(struct task *task)
     if (!task->origins || !task->directions) return 1;
     const mlrt_array origins = {task->origins, 0, 0}, directions = {task->directions, 0, 0};
     const mlrt_camera parallel = parallel_camera(task->subject);
-    return mlrt_camera_rays(task->kind == PARALLEL ? &parallel : &task->subject->camera, &origins, &directions) !=
-           MLRT_OK;
+    const mlrt_camera *camera = task->kind == PARALLEL ? &parallel : &task->subject->camera;
+    return has_failed(mlrt_camera_rays(camera, &origins, &directions), "make the camera's rays");
 }
 
 /* ---- rays of renderers --------------------------------------------------------------------------------------- */
@@ -456,7 +456,7 @@ static int make_camera_records(struct task *task)
     const mlrt_array origins = {task->records->origin, sizeof *task->records, 0};
     const mlrt_array directions = {task->records->direction, sizeof *task->records, 0};
     for (size_t i = 0; i < task->ray_count; i++) task->records[i] = (struct ray_record){.t_max = NO_END};
-    return mlrt_camera_rays(&task->subject->camera, &origins, &directions) != MLRT_OK;
+    return has_failed(mlrt_camera_rays(&task->subject->camera, &origins, &directions), "make the camera's rays");
 }
 
 // Of the rays' lengths along the view, at the hits.

@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200112L
 #include "cancel.h"
 
+#include "must.h"
 #include "report.h"
 #include "timer.h"
 
@@ -123,11 +124,11 @@ int study_cancelling(const struct scene *scene, const struct tree_settings *buil
     struct watch whole = {.stop_at = 2};
     struct longest wait = {{0, 0}, 0, 0}, wait_besides = wait;
     uint32_t cancelled = 0;
-    if (build_watched(scene, build, &whole) != MLRT_OK) return 1;
+    if (has_failed(build_watched(scene, build, &whole), "build the tree again")) return 1;
     for (uint32_t i = 0; i < count; i++) {
         struct watch watch = {.stop_at = (double)i / count};
         const int32_t status = build_watched(scene, build, &watch);
-        if (status != MLRT_OK && status != MLRT_ERROR_CANCELLED) return 1;
+        if (status != MLRT_ERROR_CANCELLED && has_failed(status, "build the tree again")) return 1;
         if (status == MLRT_OK) continue;
         const struct moment end = now();
         note(&wait, watch.last, end, watch.last_fraction);

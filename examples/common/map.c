@@ -3,6 +3,7 @@
 #include "map.h"
 
 #include "label.h"
+#include "must.h"
 #include "terminal.h"
 #include "timer.h"
 
@@ -120,6 +121,19 @@ static void draw_legend(const char *title, double scale, uint32_t width, uint32_
     draw_label(&canvas, (int)(6 + 3 * LABEL_WIDTH + bar), (int)height - LINE, 2, text);
 }
 
+static int draw_values(const double *values, const char *title, const mlrt_camera *camera, uint8_t *rgb)
+{
+    const size_t count = (size_t)camera->width * camera->height;
+    const double scale = find_scale(values, count);
+    if (scale == 0) {
+        fprintf(stderr, "not enough memory for a map of %zu pixels\n", count);
+        return 1;
+    }
+    for (size_t i = 0; i < count; i++) colour_of(values[i] / scale, rgb + 3 * i);
+    draw_legend(title, scale, camera->width, camera->height, rgb);
+    return 0;
+}
+
 /* ---- map ----------------------------------------------------------------------------------------------------- */
 
 int draw_map(const mlrt_tree *tree, const mlrt_camera *camera, int32_t map, uint8_t *rgb)
@@ -129,21 +143,17 @@ int draw_map(const mlrt_tree *tree, const mlrt_camera *camera, int32_t map, uint
     float(*rays)[3] = malloc(2 * (size_t)camera->width * sizeof *rays);
     struct progress_line line = {.work = "measuring rays"};
     const mlrt_host host = host_with_progress(&line);
-    int32_t status = values && rays ? MLRT_OK : MLRT_ERROR_OUT_OF_MEMORY;
-    for (uint32_t y = 0; y < camera->height && status == MLRT_OK; y++) {
-        status = measure_row(tree, camera, y, map, rays, values + (size_t)y * camera->width);
+    int failed = !values || !rays;
+    if (failed) fprintf(stderr, "not enough memory for a map of %zu pixels\n", count);
+    for (uint32_t y = 0; y < camera->height && !failed; y++) {
+        const int32_t status = measure_row(tree, camera, y, map, rays, values + (size_t)y * camera->width);
         host.progress(host.user, (y + 1.0) / camera->height);
+        if (status != MLRT_OK) clear_progress(&line);
+        failed = has_failed(status, "draw the map");
     }
     clear_progress(&line);
-    const double scale = status == MLRT_OK ? find_scale(values, count) : 0;
-    if (status == MLRT_OK && scale == 0) status = MLRT_ERROR_OUT_OF_MEMORY;
-    if (status == MLRT_OK) {
-        for (size_t i = 0; i < count; i++) colour_of(values[i] / scale, rgb + 3 * i);
-        draw_legend(titles[map], scale, camera->width, camera->height, rgb);
-    } else {
-        fprintf(stderr, "cannot draw the map: %s\n", mlrt_status_string(status));
-    }
+    if (!failed) failed = draw_values(values, titles[map], camera, rgb);
     free(values);
     free(rays);
-    return status != MLRT_OK;
+    return failed;
 }

@@ -1,11 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* must.c - memory, or the end of the program: see must.h */
+/* must.c - messages about failures, memory, or the end of the program: see must.h */
 #include "must.h"
 
 #include <mlrt.h>
 
 #include <stdio.h>
 #include <stdlib.h>
+
+int has_failed(int32_t status, const char *what)
+{
+    if (status == MLRT_OK) return 0;
+    fprintf(stderr, "cannot %s: %s: %s\n", what, mlrt_status_string(status), mlrt_last_message());
+    return 1;
+}
 
 void *must_allocate(size_t count, size_t size)
 {

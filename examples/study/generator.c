@@ -2,6 +2,7 @@
 /* generator.c - the rays that every method traces: see generator.h */
 #include "generator.h"
 
+#include "common/must.h"
 #include "common/steady_math.h"
 #include "common/view.h"
 #include "mlrta/kdtree.h"
@@ -185,10 +186,7 @@ static int generate_picture(const struct subject *subject, size_t count, struct 
     rays->is_picture = 1;
     rays->camera = camera;
     const mlrt_array origins = {rays->origins, 0, 0}, directions = {rays->directions, 0, 0};
-    int32_t status = mlrt_camera_rays(&camera, &origins, &directions);
-    if (status == MLRT_OK) return 0;
-    fprintf(stderr, "cannot make the camera's rays: %s\n", mlrt_status_string(status));
-    return 1;
+    return has_failed(mlrt_camera_rays(&camera, &origins, &directions), "make the camera's rays");
 }
 
 int generate_rays(enum generator generator, const struct subject *subject, size_t count, struct ray_set *rays)
