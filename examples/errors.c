@@ -338,8 +338,8 @@ int main(int argc, char **argv)
     if (!parse_options("errors - maps of where ray tracing methods are wrong", options, LENGTH(options), argc, argv,
                        &exit_code))
         return exit_code;
-    if (check_png_name(output) || (guess && load_guess(guess))) return 2;
-    side -= side % 16;
+    if (side % 16) fprintf(stderr, "--side: a multiple of 16\n");
+    if (side % 16 || check_png_name(output) || (guess && load_guess(guess))) return 2;
     const struct method *methods[LENGTH(columns)];
     const char *titles[LENGTH(columns)];
     size_t count = 0;

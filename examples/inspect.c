@@ -77,7 +77,7 @@ static int inspect(const char *name, const struct tree_settings *build, const ch
 
 int main(int argc, char **argv)
 {
-    const char *scene = "office", *save_name = NULL, *load_name = NULL;
+    const char *scene = NULL, *save_name = NULL, *load_name = NULL;
     struct tree_settings build = {.kind = TREE_DEFAULT};
     double traversal = 0, intersection = 0;
     uint32_t threads = 1, cancel_count = 0;
@@ -105,10 +105,14 @@ int main(int argc, char **argv)
         return exit_code;
     build.traversal_cost = (float)traversal;
     build.intersection_cost = (float)intersection;
+    if (load_name != NULL && (scene != NULL || save_name != NULL || cancel_count)) {
+        fprintf(stderr, "--load: reports on that tree alone, without --scene, --save and --cancel\n");
+        return 2;
+    }
     if (load_name != NULL) return end_output(inspect_file(load_name));
     if (check_tree_settings(&build)) return 2;
     if (threads != 1 && has_failed(mlrt_create_pool(threads, &build.pool), "start threads")) return 1;
-    int failed = inspect(scene, &build, save_name, cancel_count);
+    int failed = inspect(scene ? scene : "office", &build, save_name, cancel_count);
     mlrt_destroy_pool(build.pool);
     return end_output(failed);
 }

@@ -100,7 +100,8 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
     const char *mistake = NULL;
     if (!s->output && !s->frames && !s->stats && !s->hash)
         mistake = "nothing to do: give -o FILE.png, --frames, --stats or --hash";
-    if (s->map && (!s->output || s->no_shade || s->shadows)) mistake = "--map: needs -o, and no shading";
+    if (s->map && (!s->output || s->no_shade || s->shadows || s->frames))
+        mistake = "--map: needs -o, and neither shading nor --frames";
     if (s->output && s->no_shade) mistake = "--no-shade makes no picture for -o";
     if (s->camera.vfov <= 0 || s->camera.vfov >= 180) mistake = "--fov: between 0 and 180 degrees";
     if (s->trace.split_factor && s->trace.split_factor != 4 && s->trace.split_factor != 16)

@@ -385,6 +385,10 @@ int main(int argc, char **argv)
     if (!parse_options("steps - what the parts of the paper's method cost, as CSV", options, LENGTH(options), argc,
                        argv, &exit_code))
         return exit_code;
+    if (settings.size % 64) {
+        fprintf(stderr, "--size: a multiple of 64, so that tiles are whole\n");
+        return 2;
+    }
     if (settings.scenes.count == 0) settings.scenes = (struct word_list){2, {"room", "office"}};
     setvbuf(stdout, NULL, _IOLBF, 0);
     puts(studies[settings.study].head);

@@ -25,22 +25,29 @@ static void *allocate(size_t count, size_t size)
 
 /* ---- scenes -------------------------------------------------------------------------------------------------- */
 
-// "sphere" or "sphere:N", of about N triangles. Returns -1 if it is neither.
-static int sphere_level(const char *word)
+// "sphere" or "sphere:N", of about N triangles, a word of a list. Returns 0 if it is neither, -1 if N makes no sense.
+static long sphere_size(const char *word)
 {
-    if (strncmp(word, "sphere", 6) != 0 || (word[6] && !strchr(":,", word[6]))) return -1;
-    const unsigned long count = word[6] == ':' ? strtoul(word + 7, NULL, 10) : 20480;
-    int level = 0;
-    while (level < LARGEST_SPHERE && (30ul << 2 * level) < count) level++;
-    return level;
+    if (strncmp(word, "sphere", 6) != 0 || (word[6] && !strchr(":,", word[6]))) return 0;
+    if (word[6] != ':') return 20480;
+    char *end;
+    const long size = strtol(word + 7, &end, 10);
+    return end == word + 7 || (*end && *end != ',') || size < 20 || size > 20l << 2 * LARGEST_SPHERE ? -1 : size;
 }
 
 static int load_any_scene(const char *word, const char *views, struct subject *subject)
 {
-    const int level = sphere_level(word);
-    if (level < 0) return load_scene_and_view(word, views, subject->name, &subject->scene);
+    const long size = sphere_size(word);
+    uint32_t level = 0;
+    if (size == 0) return load_scene_and_view(word, views, subject->name, &subject->scene);
+    if (size < 0) {
+        fprintf(stderr, "%.*s: N of sphere:N is a number of triangles, 20 to %ld\n", (int)strcspn(word, ","), word,
+                20l << 2 * LARGEST_SPHERE);
+        return 1;
+    }
+    while ((30l << 2 * level) < size) level++;
     snprintf(subject->name, sizeof subject->name, "%.*s", (int)strcspn(word, ","), word);
-    return make_sphere((uint32_t)level, NULL, &subject->scene);
+    return make_sphere(level, NULL, &subject->scene);
 }
 
 int make_normals(struct subject *subject)

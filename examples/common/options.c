@@ -191,6 +191,7 @@ static void complain_about_value(const struct option *option, const char *text)
     if (option->kind == OPTION_POWER_OF_TWO) {
         fprintf(stderr, ", a power of two from %lu to %lu", (unsigned long)option->low, (unsigned long)option->high);
     }
+    if (option->kind == OPTION_LIST) fprintf(stderr, ", at most %d words and none empty", MAXIMUM_WORDS);
     fprintf(stderr, "\n");
 }
 
