@@ -1093,13 +1093,12 @@ static unsigned trees_needed(const struct settings *settings)
 }
 
 // A word of the list as a path, and the scene's name: of a file, without folder and extension.
-static int name_scene(const char *word, char path[PATH_SIZE], char name[NAME_SIZE], int *is_file)
+static int name_scene(const char *word, char path[PATH_SIZE], char name[NAME_SIZE])
 {
     size_t length = strcspn(word, ",");
     int fits = snprintf(path, PATH_SIZE, "%.*s", (int)length, word) < PATH_SIZE;
     const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path, *dot = strrchr(base, '.');
     fits = fits && snprintf(name, NAME_SIZE, "%.*s", dot ? (int)(dot - base) : PATH_SIZE, base) < NAME_SIZE;
-    *is_file = dot != NULL;
     if (!fits) fprintf(stderr, "%s: the name is too long\n", path);
     return !fits;
 }
@@ -1108,14 +1107,13 @@ static int load_subject(struct subject *subject, const char *word)
 {
     const struct settings *settings = subject->settings;
     char path[PATH_SIZE], specification[2 * PATH_SIZE], *name = subject->results->name;
-    int is_file;
-    if (name_scene(word, path, name, &is_file)) return 1;
+    if (name_scene(word, path, name)) return 1;
     show_work("%s: loading ...", name);
     if (load_scene(path, &subject->scene)) return 1;
     if (!settings->views) look_from_inside(&subject->scene);
     snprintf(specification, sizeof specification, "%.*s:%s/view1", PATH_SIZE, settings->views ? settings->views : "",
              name);
-    if (is_file && settings->views && read_view(specification, &subject->scene.view)) return 1;
+    if (subject->scene.is_imported && settings->views && read_view(specification, &subject->scene.view)) return 1;
     subject->results->published = find_published(name);
     subject->pixel_count = (size_t)settings->size * settings->size;
     return camera_of_view(&subject->scene.view, settings->size, settings->size, &subject->camera) ||

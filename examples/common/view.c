@@ -67,9 +67,10 @@ int load_scene_and_view(const char *word, const char *views, char name[SCENE_NAM
     snprintf(path, sizeof path, "%.*s", (int)strcspn(word, ","), word);
     if (load_scene(path, scene)) return 1;
     const char *file = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
-    snprintf(name, SCENE_NAME_SIZE, "%.*s", (int)strcspn(file, "."), file);
+    const char *dot = strrchr(file, '.');
+    snprintf(name, SCENE_NAME_SIZE, "%.*s", dot ? (int)(dot - file) : SCENE_NAME_SIZE, file);
     if (!views) look_from_inside(scene);
-    if (!views || !strchr(path, '.')) return 0;
+    if (!views || !scene->is_imported) return 0;
     snprintf(view, sizeof view, "%.*s:%s", PATH_SIZE - 1, views, name);
     return read_view(view, &scene->view);
 }

@@ -27,13 +27,12 @@ const mlrt_tree *subject_tree(const struct subject *subject, int32_t method)
 }
 
 // A word of the list as a path, and the scene's name: of a file, without folder and extension.
-static int name_subject(const char *word, char path[PATH_SIZE], char name[SUBJECT_NAME_SIZE], int *is_file)
+static int name_subject(const char *word, char path[PATH_SIZE], char name[SUBJECT_NAME_SIZE])
 {
     int fits = snprintf(path, PATH_SIZE, "%.*s", (int)strcspn(word, ","), word) < PATH_SIZE;
     const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path, *dot = strrchr(base, '.');
     int length = dot ? (int)(dot - base) : PATH_SIZE;
     fits = fits && snprintf(name, SUBJECT_NAME_SIZE, "%.*s", length, base) < SUBJECT_NAME_SIZE;
-    *is_file = dot != NULL;
     if (!fits) fprintf(stderr, "%s: the name is too long\n", path);
     return !fits;
 }
@@ -50,13 +49,13 @@ static int read_subject_view(const char *views, const char *name, struct view *v
 int load_subject(const char *word, const char *views, struct subject *subject)
 {
     char path[PATH_SIZE];
-    int is_file;
     memset(subject, 0, sizeof *subject);
-    if (name_subject(word, path, subject->name, &is_file)) return 1;
-    int failed = strcmp(subject->name, "sphere") == 0 ? make_sphere(SPHERE_LEVEL, NULL, &subject->scene)
-                                                      : load_scene(path, &subject->scene);
+    if (name_subject(word, path, subject->name)) return 1;
+    int failed = strcmp(path, "sphere") == 0 ? make_sphere(SPHERE_LEVEL, NULL, &subject->scene)
+                                             : load_scene(path, &subject->scene);
     if (!failed && !views) look_from_inside(&subject->scene);
-    if (!failed && is_file && views) failed = read_subject_view(views, subject->name, &subject->scene.view);
+    if (!failed && subject->scene.is_imported && views)
+        failed = read_subject_view(views, subject->name, &subject->scene.view);
     return failed || complete_subject(subject);
 }
 
