@@ -152,12 +152,13 @@ static void draw(const struct points *points, uint32_t samples, const uint8_t *o
     }
 }
 
-static float diagonal(const struct scene *scene)
+static double diagonal(const struct scene *scene)
 {
     float lo[3], hi[3];
+    double square = 0; // of a float it could leave the range
     scene_bounds(scene, lo, hi);
-    return sqrtf((hi[0] - lo[0]) * (hi[0] - lo[0]) + (hi[1] - lo[1]) * (hi[1] - lo[1]) +
-                 (hi[2] - lo[2]) * (hi[2] - lo[2]));
+    for (int k = 0; k < 3; k++) square += ((double)hi[k] - (double)lo[k]) * ((double)hi[k] - (double)lo[k]);
+    return sqrt(square);
 }
 
 /* ---- the program --------------------------------------------------------------------------------------------- */
@@ -189,7 +190,7 @@ static int draw_scene(const struct settings *settings, const struct scene *scene
                           directions + i * settings->samples);
     }
     const double start = seconds_now();
-    trace_samples(tree, &points, settings->samples, directions, diagonal(scene) * (float)settings->reach / 100, pool,
+    trace_samples(tree, &points, settings->samples, directions, (float)(diagonal(scene) * settings->reach / 100), pool,
                   occluded);
     const double seconds = seconds_now() - start;
     size_t free_count = 0;
