@@ -30,11 +30,16 @@ static char *read_text(const char *path)
     } else {
         rewind(file);
         text = malloc((size_t)size + 1);
-        size_t count = text ? fread(text, 1, (size_t)size, file) : 0;
-        if (text)
-            text[count] = 0;
-        else
+        const size_t count = text ? fread(text, 1, (size_t)size, file) : 0;
+        if (!text) {
             fprintf(stderr, "%s: not enough memory\n", path);
+        } else if (count != (size_t)size || memchr(text, 0, count)) {
+            fprintf(stderr, "%s: not a text that can be read to its end\n", path);
+            free(text);
+            text = NULL;
+        } else {
+            text[count] = 0;
+        }
     }
     if (file) fclose(file);
     return text;
@@ -114,7 +119,7 @@ static int read_view_from(const char *path, const char *scene, const char *name,
 {
     char *text = read_text(path);
     if (!text) return 1;
-    cJSON *scenes = cJSON_Parse(text);
+    cJSON *scenes = cJSON_ParseWithOpts(text, NULL, 1); // and nothing behind it
     int failed = 1;
     if (scenes) {
         failed = select_view(scenes, path, scene, name, view);
