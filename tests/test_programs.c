@@ -216,6 +216,125 @@ static void output_that_is_lost_is_a_failure(void **state)
     }
 }
 
+static void options_that_would_be_ignored_are_mistakes(void **state)
+{
+    static const char *const commands[] = {"inspect --load tree --save copy",
+                                           "inspect --load tree room",
+                                           "inspect --load tree --cancel 3",
+                                           "steps --size 65",
+                                           "errors --side 17",
+                                           "render room --map nodes --frames 3 -o map.png"};
+    char output[OUTPUT_SIZE];
+    (void)state;
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        if (i >= 4 && !have_render()) continue; // nor errors
+        const int code = run(commands[i], output);
+        if (code == 127) continue; // errors needs GMP
+        assert_int_equal(code, 2);
+        assert_non_null(strstr(output, "--"));
+    }
+}
+
+static void numbers_of_triangles_make_sense(void **state)
+{
+    static const char *const words[] = {"sphere:",   "sphere:x",   "sphere:-5",
+                                        "sphere:19", "sphere:80x", "sphere:99999999999999999999"};
+    char output[OUTPUT_SIZE], command[256];
+    (void)state;
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        snprintf(command, sizeof command, "bench --alone --size 64 --runs 1 --kind frame --scene %s", words[i]);
+        assert_int_equal(run(command, output), 1);
+        assert_non_null(strstr(output, "20 to 5242880"));
+    }
+    assert_int_equal(run("bench --alone --size 64 --runs 1 --kind frame --scene sphere:80,sphere", output), 0);
+    assert_non_null(strstr(output, "80: 80 triangles"));
+    assert_non_null(strstr(output, "sphere: 20480 triangles"));
+}
+
+static void failures_say_why(void **state)
+{
+    static const struct {
+        const char *command, *words;
+    } cases[] = {{"inspect room --traversal-cost -1", "options.traversal_cost"},
+                 {"bench --alone --size 64 --runs 1 --kind array --view %s:a room", "camera.eye"},
+                 {"bench --alone --size 64 --runs 1 --kind record --view %s:a room", "camera.eye"},
+                 {"occlusion --size 16 --view %s:a", "camera.eye"},
+                 {"occlusion --size 16 --view %s:b", "no list of views"},
+                 {"render room --size 16x16 --hash --eye 1e39,0,0", "camera.eye"},
+                 {"render room --size 16x16 -o map.png --map nodes --eye 1e39,0,0", "camera.eye"}};
+    char output[OUTPUT_SIZE], command[256], folder[] = "/tmp/mlrt-files-XXXXXX", path[64];
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/views.json", folder);
+    write_text(path, "{\"a\": [{\"eye\": [1e39, 0, 0], \"look\": [0, 0, 0], \"vfov\": 45}]}");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases - (have_render() ? 0 : 2); i++) {
+        snprintf(command, sizeof command, cases[i].command, path);
+        assert_int_equal(run(command, output), 1);
+        if (!strstr(output, "built without")) assert_non_null(strstr(output, cases[i].words));
+    }
+    write_text(path, "{\"a\": [{\"eye\": [3, 2, 1], \"look\": [0, 1, 0], \"vfov\": 45}]}, and more");
+    snprintf(command, sizeof command, "occlusion --size 16 --view %s:a", path);
+    assert_int_equal(run(command, output), 1);
+    unlink(path);
+    rmdir(folder);
+}
+
+static void write_triangle(const char *path, double size)
+{
+    char text[512];
+    snprintf(text, sizeof text,
+             "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
+             "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+             "0 0 0\n%.17g 0 0\n0 %.17g 0\n0 0 %.17g\n%.17g 0 %.17g\n0 %.17g %.17g\n3 0 1 2\n3 3 4 5\n",
+             size, size, size / 16, size, size / 16, size, size / 16);
+    write_text(path, text);
+}
+
+/* Files without an extension, or with two, or with the name of a scene that is made. */
+static void files_keep_their_names_and_views(void **state)
+{
+    static const char *const names[] = {"mesh", "mesh.of.two.ply", "sphere.ply"};
+    char output[OUTPUT_SIZE], command[512], folder[] = "/tmp/mlrt-files-XXXXXX", path[64], views[64];
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    snprintf(views, sizeof views, "%s/views.json", folder);
+    write_text(views, "{}");
+    for (int i = 0; i < 3; i++) {
+        snprintf(path, sizeof path, "%s/%s", folder, names[i]);
+        write_triangle(path, 1);
+        snprintf(command, sizeof command, "depth --scene %s --views %s", path, views);
+        assert_int_equal(run(command, output), 1);
+        if (strstr(output, "built without")) skip();
+        assert_non_null(strstr(output, i == 0 ? "\"mesh\"" : i == 1 ? "\"mesh.of.two\"" : "\"sphere\""));
+        snprintf(command, sizeof command, "accuracy --rays 16 --runs 1 --scene %s --views %s", path, views);
+        const int code = run(command, output);
+        if (code != 127) { // it needs GMP
+            assert_int_equal(code, 1);
+            assert_non_null(strstr(output, "no list of views"));
+        }
+        unlink(path);
+    }
+    unlink(views);
+    rmdir(folder);
+}
+
+/* Of one scene in several sizes, powers of two apart, the same rays hit. */
+static void occlusion_does_not_depend_on_size(void **state)
+{
+    char first[OUTPUT_SIZE], output[OUTPUT_SIZE], command[256], folder[] = "/tmp/mlrt-files-XXXXXX", path[64];
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/mesh.ply", folder);
+    for (int i = 0; i < 3; i++) {
+        write_triangle(path, ldexp(1, i == 0 ? 0 : i == 1 ? -80 : 66));
+        snprintf(command, sizeof command, "occlusion --size 64 --reach 20 %s | grep -v '^[sM]'", path);
+        assert_int_equal(run(command, i == 0 ? first : output), 0);
+        if (i > 0) assert_string_equal(output, first);
+    }
+    unlink(path);
+    rmdir(folder);
+}
+
 /* ---- views --------------------------------------------------------------------------------------------------- */
 
 /* A box from 0 to `size`, whose fronts are outside, or inside. */
@@ -288,6 +407,11 @@ int main(void)
         cmocka_unit_test(only_files_are_read),
         cmocka_unit_test(ply_files_that_are_cut_off_are_refused),
         cmocka_unit_test(output_that_is_lost_is_a_failure),
+        cmocka_unit_test(options_that_would_be_ignored_are_mistakes),
+        cmocka_unit_test(numbers_of_triangles_make_sense),
+        cmocka_unit_test(failures_say_why),
+        cmocka_unit_test(files_keep_their_names_and_views),
+        cmocka_unit_test(occlusion_does_not_depend_on_size),
         cmocka_unit_test(rooms_are_seen_from_inside),
         cmocka_unit_test(scenes_without_triangles_keep_their_view),
     };
