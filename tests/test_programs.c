@@ -318,6 +318,31 @@ static void files_keep_their_names_and_views(void **state)
     rmdir(folder);
 }
 
+static void accuracy_finds_a_view_by_its_name(void **state)
+{
+    static const char *const views[] = {"", ":mesh", ":hall", ":hall/view2", ":hall/view3"};
+    char output[OUTPUT_SIZE], command[512], folder[] = "/tmp/mlrt-files-XXXXXX", path[64], file[64];
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/mesh.ply", folder);
+    snprintf(file, sizeof file, "%s/views.json", folder);
+    write_triangle(path, 1);
+    write_text(file, "{\"mesh\": [{\"name\": \"view1\", \"eye\": [0, 0, 3], \"look\": [0, 0, 0], \"vfov\": 45}],"
+                     "\"hall\": [{\"name\": \"view2\", \"eye\": [0, 3, 3], \"look\": [0, 0, 0], \"vfov\": 45}]}");
+    for (int i = 0; i < 5; i++) {
+        snprintf(command, sizeof command,
+                 "accuracy --rays 16 --runs 1 --generator camera --method mlrt_tile --csv %s --views %s%s", path, file,
+                 views[i]);
+        const int code = run(command, output);
+        if (code == 127 || strstr(output, "built without")) break;
+        assert_int_equal(code, i == 4);
+        assert_true(i != 4 || strstr(output, "no view \"view3\""));
+    }
+    unlink(path);
+    unlink(file);
+    rmdir(folder);
+}
+
 /* Of one scene in several sizes, powers of two apart, the same rays hit. */
 static void occlusion_does_not_depend_on_size(void **state)
 {
@@ -411,6 +436,7 @@ int main(void)
         cmocka_unit_test(numbers_of_triangles_make_sense),
         cmocka_unit_test(failures_say_why),
         cmocka_unit_test(files_keep_their_names_and_views),
+        cmocka_unit_test(accuracy_finds_a_view_by_its_name),
         cmocka_unit_test(occlusion_does_not_depend_on_size),
         cmocka_unit_test(rooms_are_seen_from_inside),
         cmocka_unit_test(scenes_without_triangles_keep_their_view),

@@ -2,6 +2,7 @@
 /* subject.c - a mesh, its trees and its oracle: see subject.h */
 #include "subject.h"
 
+#include "common/file.h"
 #include "common/interior.h"
 #include "common/tree.h"
 #include "common/view.h"
@@ -40,8 +41,7 @@ static int name_subject(const char *word, char path[PATH_SIZE], char name[SUBJEC
 static int read_subject_view(const char *views, const char *name, struct view *view)
 {
     char specification[PATH_SIZE + SUBJECT_NAME_SIZE + 8];
-    const char *slash = strrchr(views, '/');
-    if (strchr(slash ? slash : views, ':')) return read_view(views, view);
+    if (find_input_problem(views) && strchr(views, ':')) return read_view(views, view); // no file: a view in one
     snprintf(specification, sizeof specification, "%.*s:%s/view1", PATH_SIZE, views, name);
     return read_view(specification, view);
 }
