@@ -236,7 +236,8 @@ int main(int argc, char **argv)
         {OPTION_SET, "--kind", &kind_words,
          "frame,lit,primary,shadow,sun,array,parallel,bounce,reach,mirror,lens,one-way,hemisphere,record,single,single-"
          "any",
-         "kinds of rays, a list (default: all);\nlit is a frame with shadows, after frame also the difference, "
+         "kinds of rays, a list (default: all; some of studies);\nlit is a frame with shadows, after frame also the "
+         "difference, "
          "lit-frame",
          0, 0},
         {OPTION_CHOICE, "--study", &settings.study, "none|triangles|resolution|build|calls|costs",
