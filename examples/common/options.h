@@ -45,7 +45,8 @@ struct option {
 
 /*
  * Reads the command line. Returns 1 to go on, or 0 to end with *exit_code: 0 after -h or --help, which
- * print `purpose` and the table to stdout, or --version; 1 if that cannot be written; 2 after a mistake. `purpose` begins with the program's name.
+ * print `purpose` and the table to stdout, or --version; 1 if that cannot be written; 2 after a mistake. `purpose`
+ * begins with the program's name.
  */
 int parse_options(const char *purpose, const struct option *options, size_t count, int argc, char **argv,
                   int *exit_code);
