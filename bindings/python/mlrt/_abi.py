@@ -419,7 +419,14 @@ def struct_sizes(library: ctypes.CDLL) -> dict[Any, int]:
 library = _declare(_library.load())
 
 
-class TreeHandle(c_void_p):
+class Handle(c_void_p):
+    """What the library made, and one object alone destroys: ctypes would copy and pickle the address."""
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        raise TypeError(f"{type(self).__name__}: it can neither be copied nor pickled")
+
+
+class TreeHandle(Handle):
     """An mlrt_tree; destroyed with the last reference to it, so never while a call that holds one runs."""
 
     # What it was loaded from and lies in, if it does: goes when the tree is destroyed, not before.
@@ -429,7 +436,7 @@ class TreeHandle(c_void_p):
         destroy(self)
 
 
-class PoolHandle(c_void_p):
+class PoolHandle(Handle):
     """An mlrt_pool; destroyed with the last reference to it."""
 
     # The process whose threads these are: a fork has the handle, but not the threads.

@@ -49,6 +49,18 @@ class Pool:
         """Ends the threads, as soon as no call uses them."""
         self._handle = None
 
+    def __copy__(self) -> Pool:
+        """Another one with the same threads: closing one of them leaves the other."""
+        copy = type(self).__new__(type(self))
+        vars(copy).update(vars(self))
+        return copy
+
+    def __deepcopy__(self, memo: Any) -> Pool:
+        return self.__copy__()
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        raise TypeError("a pool cannot be pickled, as its threads are those of one process: give a number of threads")
+
     def __repr__(self) -> str:
         """How many threads there are."""
         if self._handle is None:

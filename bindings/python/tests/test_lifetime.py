@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Who lives how long: trees, pools, arrays; and threads of Python's own."""
 
+import copy
 import gc
 import os
+import pickle
 import threading
 import unittest
 import weakref
@@ -95,6 +97,18 @@ class Threads(unittest.TestCase):
             pool.close()
             thread.join()
             self.assertTrue(all((result == expected).all() for result in results))
+
+    def test_copies_of_pools(self):
+        tree, pool = mlrt.Tree(*box()), mlrt.Pool(2)
+        for copied in (copy.copy(pool), copy.deepcopy(pool)):
+            self.assertIs(copied.handle(), pool.handle())
+            copied.close()
+            self.assertTrue(tree.occluded([0, 0, 0], [0, 0, 1], pool=pool))
+        for owner in (pool, pool.handle(), tree._handle):
+            for duplicate in (pickle.dumps, copy.copy, copy.deepcopy):
+                if duplicate is pickle.dumps or owner is not pool:
+                    with self.assertRaises(TypeError):
+                        duplicate(owner)
 
     @unittest.skipUnless(hasattr(os, "fork"), "needs fork")
     def test_a_pool_stays_in_its_process(self):
