@@ -118,7 +118,7 @@ class Camera:
     def rays(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """The very rays that Tree.render traces: origins and directions, float32 of shape (height, width, 3)."""
         camera = self.to_struct()
-        shape = self.check_shape() + (3,)
+        shape = shape_of(camera) + (3,)
         origins, directions = np.empty(shape, np.float32), np.empty(shape, np.float32)
         arrays = [_abi.Array(address(array)) for array in (origins, directions)]
         check(library.mlrt_camera_rays(ctypes.byref(camera), *map(ctypes.byref, arrays)))
@@ -126,10 +126,7 @@ class Camera:
 
     def check_shape(self) -> tuple[int, int]:
         """The shape, or the library's error if the picture has none."""
-        rows, columns = self.shape
-        if rows <= 0 or columns <= 0:
-            raise CameraError(f"the picture has {columns} x {rows} pixels: both must be positive")
-        return rows, columns
+        return shape_of(self.to_struct())
 
     def to_struct(self) -> _abi.Camera:
         """This as an mlrt_camera."""
@@ -153,3 +150,12 @@ class Camera:
             t_min=self.t_min,
             t_max=limit(self.t_max),
         )
+
+
+def shape_of(camera: _abi.Camera) -> tuple[int, int]:
+    """Rows and columns of what the library writes for an mlrt_camera, whatever others do to the Camera meanwhile."""
+    rows = camera.crop_height or camera.height - camera.crop_y
+    columns = camera.crop_width or camera.width - camera.crop_x
+    if rows <= 0 or columns <= 0:
+        raise CameraError(f"the picture has {columns} x {rows} pixels: both must be positive")
+    return rows, columns

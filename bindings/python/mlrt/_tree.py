@@ -18,7 +18,7 @@ from . import _abi, _saved, _single
 from ._abi import Counters, TreeHandle, library
 from ._arrays import mask_word, mask_words, named
 from ._build import build_kdtree, build_tree, kdtree_options, tree_options
-from ._camera import Camera
+from ._camera import Camera, shape_of
 from ._errors import check
 from ._host import TileCounter
 from ._lights import light_structs
@@ -526,7 +526,8 @@ class Tree:
         is no epsilon: mlrt.h ("Shadows of a picture") says what the rays are. They see the meshes that `mask` says.
         """
         tree = self._open_handle()
-        struct, shape = camera.to_struct(), camera.check_shape()
+        struct = camera.to_struct()
+        shape = shape_of(struct)
         structs = None if lights is None else light_structs(lights)
         light_count = None if structs is None else len(structs)
         if out is None:

@@ -192,6 +192,24 @@ class Pictures(unittest.TestCase):
         part = tree.render(camera)
         self.assertEqual(part.t.tobytes(), whole.t[6:19, 5:22].tobytes())
 
+    def test_a_camera_that_others_change_meanwhile(self):
+        class Changing(mlrt.Camera):
+            looks = 0
+
+            @property
+            def crop(self):
+                self.looks += 1
+                return None if self.looks % 2 else (0, 0, 2, 2)
+
+            @crop.setter
+            def crop(self, value):
+                pass
+
+        camera = Changing(16, 12, (-8, -6, 9), (1, 0, 0), (0, 1, 0))
+        for call in (lambda: mlrt.Tree(*box()).render(camera).t, lambda: camera.rays()[0]):
+            camera.looks = 0
+            self.assertEqual(call().shape[:2], (12, 16))
+
     def test_interval(self):
         tree, camera = mlrt.Tree(*box()), mlrt.Camera.look_at((0, 0, 5), (0, 0, 0), 8, 8, fov=5)
         self.assertTrue(tree.render(camera).hit.all())
