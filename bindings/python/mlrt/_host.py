@@ -30,15 +30,19 @@ class Callbacks:
         self._handlers: dict[int, Any] = {}
 
     def __enter__(self) -> Any:
-        for number in _SIGNALS:
-            handler = signal.getsignal(number)
-            if callable(handler):
-                self._handlers[number] = handler  # first: the signal may come at once
-                try:
-                    signal.signal(number, self._handle)
-                except ValueError:  # not the main thread, so no handler runs in it
-                    del self._handlers[number]
-                    break
+        try:
+            for number in _SIGNALS:
+                handler = signal.getsignal(number)
+                if callable(handler):
+                    self._handlers[number] = handler  # first: the signal may come at once
+                    try:
+                        signal.signal(number, self._handle)
+                    except ValueError:  # not the main thread, so no handler runs in it
+                        del self._handlers[number]
+                        break
+        except BaseException:  # by a handler that is not replaced yet
+            self._restore()
+            raise
         return self
 
     def _handle(self, number: int, frame: Any) -> None:
@@ -47,11 +51,20 @@ class Callbacks:
         except BaseException as error:
             self.error = error
 
+    def _restore(self) -> None:
+        """Sets all handlers, though one that is set again already may raise meanwhile. That counts as raised in a callback."""
+        while self._handlers:
+            try:
+                number, handler = next(iter(self._handlers.items()))
+                signal.signal(number, handler)
+                del self._handlers[number]
+            except BaseException as error:
+                self.error = error
+
     def __exit__(
         self, kind: Optional[type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
     ) -> None:
-        for number, handler in self._handlers.items():
-            signal.signal(number, handler)
+        self._restore()
         error, self.error = self.error, None
         if error is not None:
             raise error

@@ -158,6 +158,25 @@ class Signals(WithBar):
             pass
         self.assertEqual(seen, [1])
 
+    def test_handlers_that_raise_while_others_are_set(self):
+        install = signal.signal
+        self.addCleanup(signal.signal, signal.SIGUSR1, signal.signal(signal.SIGUSR1, self.interrupt))
+        # The first of two is replaced, and the second raises; then the first is set again, and raises before the second is.
+        for begins, raised in ((True, signal.SIGUSR1), (False, signal.SIGALRM)):
+            callbacks, once = _host.Callbacks(), [raised]
+
+            def install_and_raise(number, handler):
+                previous = install(number, handler)
+                wanted = callbacks._handle if begins else self.interrupt
+                if once and number == signal.SIGALRM and handler == wanted:
+                    signal.raise_signal(once.pop())
+                return previous
+
+            with mock.patch.object(_host.signal, "signal", install_and_raise), self.assertRaises(Interrupted), callbacks:
+                pass
+            for number in (signal.SIGALRM, signal.SIGUSR1):
+                self.assertEqual(signal.getsignal(number), self.interrupt)
+
     def test_in_other_threads(self):
         made = []
         thread = threading.Thread(target=lambda: made.append(mlrt.Tree(*box(), progress=True)))
