@@ -50,22 +50,29 @@ def begins(
     else:
         near = _near(tree, origins, pool)
         which, points = _different(origins[near])
-    corner = _corners(vertices, faces, points) if len(points) * _FEW_POINTS >= len(vertices) else None
-    if corner is None:
-        point, triangle, u, v = _containing(tree, points, pool)
-    else:
-        rest = np.flatnonzero(np.bincount(corner.ray, minlength=len(points)) == 0)
-        inner = _containing(tree, points[rest], pool)
-        pairs: Any = zip(corner, inner._replace(ray=rest[inner.ray]))
-        together: Any = [np.concatenate(pair) for pair in pairs]
-        point, triangle, u, v = (array[np.argsort(together[0], kind="stable")] for array in together)
-    # Each ray gets the triangles of its point.
-    counts = np.bincount(point, minlength=len(points))
+    if len(points) * _FEW_POINTS < len(vertices):
+        return _first_crossed(vertices, faces, directions, near, which, _containing(tree, points, pool))
+    corners = _first_crossed(vertices, faces, directions, near, which, _corners(vertices, faces, points))
+    # A point where a ray crosses no triangle that has it as a corner may lie within others.
+    left = np.flatnonzero(~np.isin(near, corners.ray))
+    rest, which = np.unique(which[left], return_inverse=True)
+    inner = _first_crossed(vertices, faces, directions, near[left], which.ravel(), _containing(tree, points[rest], pool))
+    order = np.argsort(np.concatenate((corners.ray, inner.ray)))
+    pairs: Any = zip(corners, inner)
+    return Begins._make(np.concatenate(pair)[order] for pair in pairs)
+
+
+def _first_crossed(
+    vertices: Floats, faces: NDArray[Any], directions: Floats, rays: Index, which: Index, found: Begins
+) -> Begins:
+    """Of the triangles at the points of rays the first that each crosses. which: the point of each ray; found: by point."""
+    point, triangle, u, v = found
+    counts = np.bincount(point, minlength=int(which.max(initial=-1)) + 1)
     starts, sizes = np.cumsum(counts) - counts, counts[which]
-    ray = np.repeat(near, sizes)
+    ray = np.repeat(rays, sizes)
     index = np.repeat(starts[which] - (np.cumsum(sizes) - sizes), sizes) + np.arange(len(ray))
-    index_crossing = _crosses(vertices[faces[triangle[index]]], directions[ray])
-    ray, index = ray[index_crossing], index[index_crossing]
+    crosses = _crosses(vertices[faces[triangle[index]]], directions[ray])
+    ray, index = ray[crosses], index[crosses]
     first = np.ones(len(ray), np.bool_)
     first[1:] = ray[1:] != ray[:-1]
     index = index[first]

@@ -77,6 +77,18 @@ class Integers(unittest.TestCase):
             self.assertEqual(found(vertices, faces, same, directions)[1].tolist(), exact.tolist())
             self.assertEqual((exact >= 0).any(), point[0] != 40)
 
+    def test_a_corner_within_another_face(self):
+        """A wall, or a triangle without area, stands on the middle of the floor; a ray goes down from its corner."""
+        vertices = np.array([[-4, -4, 0], [4, -4, 0], [0, 8, 0], [0, 0, 0], [0, 1, 3], [0, 2, 6], [0, 5, 3]], np.float32)
+        for other in ([3, 4, 6], [3, 4, 5], [3, 4, 3]):
+            for faces in ([other, [0, 1, 2]], [[0, 1, 2], other]):
+                faces, origins = np.array(faces), np.zeros((2, 3), np.float32)
+                directions = np.array([[0, 0, -1], [3, 0, -1]], np.float32)
+                origins[1] = vertices[0]
+                exact = expected(vertices, faces, origins, directions)
+                self.assertEqual(exact[0], faces.tolist().index([0, 1, 2]))
+                self.assertEqual(found(vertices, faces, origins, directions)[1].tolist(), exact.tolist())
+
     def test_in_the_plane(self):
         """In integers where float64 leaves it open."""
         vertices = np.array([[0, 0, 0], [1, 1e-30, 3], [2, 5, 1]], np.float32)
