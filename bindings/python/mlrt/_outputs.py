@@ -66,6 +66,8 @@ def given_hits(out: Hits, shape: tuple[int, ...], rows: bool, lights: Optional[i
 
     lights: how many there are; without them (None) there is no `occluded`.
     """
+    if not isinstance(out, Hits):
+        raise TypeError(f"out: a mlrt.Hits is needed, not {type(out).__name__}")
     if out.occluded is not None and lights is None:
         raise ValueError("out: occluded is for pictures with lights")
     fields: list[int] = []

@@ -395,10 +395,10 @@ class Tree:
         rays = Rays(origins, directions, t_min, t_max, skip, row_length, masks)
         if out is None:
             out, packed = new_hits(outputs, rays.shape)
-            out._rays = origins, directions
         else:
             packed = given_hits(out, rays.shape, rows=False)
         options = _options(_abi.QUERY_CLOSEST, method, isa, one_mask, pool, counters)
+        out._rays = origins, directions  # also if the caller's knows others: its arrays are about to be written
         if wants_bar(progress):
             _trace_pieces(library.mlrt_trace_packet, tree, rays, options, packed, _abi.Hits, pool)
             return out
@@ -532,12 +532,12 @@ class Tree:
         light_count = None if structs is None else len(structs)
         if out is None:
             out, packed = new_hits(outputs, shape, light_count)
-            out._rays = replace(camera).rays
         else:
             packed = given_hits(out, shape, rows=True, lights=light_count)
         if light_count == 0 and out.occluded is not None and all(array is None for array in out[:-1]):
             return out  # no light has shadows, and nothing else is asked for
         options = _options(_abi.QUERY_CLOSEST, method, isa, mask_word(mask, "mask"), pool, counters, structs)
+        out._rays = replace(camera).rays  # as in trace
         if not wants_bar(progress):
             check(library.mlrt_render_tiles(tree, ctypes.byref(struct), options, packed, None, None))
             return out

@@ -37,6 +37,15 @@ class Points(unittest.TestCase):
         self.assertTrue(picture.hit.any())
         one = self.tree.trace(self.origins[:1], self.directions[:1], outputs="t")
         self.assertEqual(one.points.tobytes(), self.hits.points[:1].tobytes())
+        out = self.tree.trace(self.origins[:96].reshape(8, 12, 3), self.directions[:96].reshape(8, 12, 3))
+        self.tree.render(camera, out=out)  # arrays that are used again are of other rays now
+        self.assertEqual(out.points.tobytes(), self.tree.render(camera).points.tobytes())
+        self.tree.trace(*rays, out=out)
+        self.assertEqual(out.points.tobytes(), picture.points.tobytes())
+        given = mlrt.Hits(t=np.empty(len(self.origins), np.float32))
+        self.assertEqual(self.tree.trace(self.origins, self.directions, out=given).points.tobytes(), self.hits.points.tobytes())
+        with self.assertRaisesRegex(TypeError, "out: a mlrt.Hits is needed"):
+            self.tree.trace(self.origins, self.directions, out=tuple(given))
         shared = mlrt.Tree(*box()).trace([0, 0, 0], np.eye(3, dtype=np.float32)[None])
         self.assertEqual(shared.points.tolist(), np.eye(3)[None].tolist())
 
