@@ -7,6 +7,8 @@ from typing import Any, Optional
 
 import numpy as np
 
+from ._abi import NONE
+
 FLOAT = np.dtype(np.float32)
 UINT = np.dtype(np.uint32)
 INT = np.dtype(np.int32)
@@ -55,7 +57,18 @@ def ids(values: Any, name: str) -> np.ndarray:
         raise TypeError(f"{name}: integers are needed, not {array.dtype}")
     if array.ndim == 0 or array.shape[-1] != 2:
         raise ValueError(f"{name}: the shape must be (..., 2), not {array.shape}")
+    if array.dtype != UINT and array.size:
+        for extreme in (array.min(), array.max()):
+            id_word(extreme, name)
     return array.astype(UINT, copy=False)
+
+
+def id_word(value: Any, name: str) -> int:
+    """An id of a mesh or a number of a triangle as 32 bits, of which -1 becomes mlrt.NONE."""
+    number = index(value)
+    if not -1 <= number <= NONE:
+        raise ValueError(f"{name}: {number} does not fit into 32 bits")
+    return number & NONE
 
 
 def mask_word(value: Any, name: str) -> int:
@@ -63,7 +76,7 @@ def mask_word(value: Any, name: str) -> int:
     number = index(value)
     if not -(1 << 31) <= number < 1 << 32:
         raise ValueError(f"{name}: {number} does not fit into 32 bits")
-    return number & 0xFFFFFFFF
+    return number & NONE
 
 
 def mask_words(values: Any) -> tuple[int, Optional[np.ndarray]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping, Sequence
+from operator import index
 from typing import Any, Optional
 
 import numpy as np
@@ -55,14 +56,20 @@ def parts(mesh: Any) -> tuple[Any, Any]:
 
 
 def in_32_bits(number: int, what: str) -> int:
-    if not 0 <= number <= _abi.NONE:
-        raise ValueError(f"{what}: {number} does not fit into 32 bits")
-    return int(number)
+    return _in_bits(number, what, 32)
 
 
 def in_64_bits(number: int, what: str) -> int:
-    if not 0 <= number < 1 << 64:
-        raise ValueError(f"{what}: {number} does not fit into 64 bits")
+    return _in_bits(number, what, 64)
+
+
+def _in_bits(number: Any, what: str, bits: int) -> int:
+    try:
+        number = index(number)
+    except TypeError:
+        raise TypeError(f"{what}: an integer is needed, not {number!r}") from None
+    if not 0 <= number < 1 << bits:
+        raise ValueError(f"{what}: {number} does not fit into {bits} bits")
     return int(number)
 
 

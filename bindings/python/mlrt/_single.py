@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Optional
 import numpy as np
 
 from ._abi import NONE, library
-from ._arrays import FLOAT, INT, UINT
+from ._arrays import FLOAT, INT, UINT, id_word
 from ._errors import check
 from ._results import HIT_FIELDS, Hits, check_names, make_hits
 
@@ -96,7 +96,7 @@ def _call(slot: _Slot, handle: Any, origin: Any, direction: Any, t_min: Any, t_m
             t_max = limit(t_max)
             if skip is not None:
                 flags, (mesh, triangle) = _SKIP, skip
-                mesh, triangle = int(mesh) & NONE, int(triangle) & NONE
+                mesh, triangle = id_word(mesh, "skip"), id_word(triangle, "skip")
             _pack(slot.ray, 0, _RAY_SIZE, flags, x, y, z, dx, dy, dz, t_min, t_max, mesh, triangle)
         else:
             _pack(slot.ray, 0, _RAY_SIZE, 0, x, y, z, dx, dy, dz, t_min, 0.0, 0, 0)

@@ -291,6 +291,32 @@ class Refused(unittest.TestCase):
         with self.assertRaises(mlrt.ArgumentError):
             mlrt.Tree(self.vertices, self.faces, traversal_cost=float("nan"))
 
+    def test_numbers_that_would_become_others(self):
+        """2^32 would be 0, 1.7 would be 1."""
+        ray, mesh = ([0.5, 0.25, -9], [0, 0, 1]), (self.vertices, self.faces)
+        first = self.tree.trace_ray(*ray)
+        behind = [(first.mesh, first.triangle), np.array([first.mesh, first.triangle], np.int8)]
+        for skip in behind:
+            self.assertEqual((float(self.tree.trace(*ray, skip=skip).t), self.tree.trace_ray(*ray, skip=skip).t), (10, 10))
+        for skip in ((-1, -1), (mlrt.NONE, mlrt.NONE)):
+            self.assertEqual((float(self.tree.trace(*ray, skip=skip).t), self.tree.trace_ray(*ray, skip=skip).t), (8, 8))
+        for wrong in (1 << 32, -2, 0.5):
+            skip = (wrong, first.triangle)
+            for call in (self.tree.trace, self.tree.occluded, self.tree.trace_ray, self.tree.occluded_ray):
+                with self.assertRaisesRegex((ValueError, TypeError), "skip", msg=f"{call} {skip}"):
+                    call(*ray, skip=skip)
+        for call in (
+            lambda: mlrt.Tree.from_meshes([mesh, mesh], ids=[0.5, 1.5]),
+            lambda: mlrt.Tree.from_meshes({1.5: mesh}),
+            lambda: mlrt.Tree.kdtree(*mesh, max_depth=2.5),
+            lambda: mlrt.Tree(*mesh, memory_limit=1e9),
+            lambda: mlrt.estimate_tree([1.5]),
+            lambda: self.tree.hits(*ray, 2.5),
+            lambda: mlrt.Tree.load(self.tree.to_bytes(), geometry_hash=0.5),
+        ):
+            with self.assertRaisesRegex(TypeError, ": an integer is needed, not "):
+                call()
+
     def test_shapes_and_types(self):
         for vertices, faces in (
             (self.vertices[:, :2], self.faces),
