@@ -176,10 +176,10 @@ def _wanted(outputs: Any) -> Any:
 
 def closest_in_arrays(handle: Any, origins: Any, directions: Any, outputs: Any) -> Optional[Hits]:
     """What mlrt_trace_packet answers to one ray, in new arrays; None if these are not arrays of one ray."""
-    wanted = None if outputs is None else _wanted(outputs if outputs.__class__ is str else tuple(outputs))
     hit = _trace_arrays(handle, origins, directions, None)
     if hit is None:
         return None
+    wanted = None if outputs is None else _wanted(outputs if outputs.__class__ is str else tuple(outputs))
     if wanted is None:
         return make_hits(Hits, (hit["t"], hit["u"], hit["v"], hit["mesh"], hit["triangle"], hit["facing"], None))
     arrays: list[Any] = [None] * len(Hits._fields)

@@ -234,6 +234,10 @@ class Outputs(unittest.TestCase):
                     self.assertEqual(array.tobytes(), getattr(self.expected, name).tobytes())
                 else:
                     self.assertIsNone(array)
+        for count in (1, 20):
+            rays = self.directions[:count]
+            hits = self.tree.trace(rays, rays, outputs=(name for name in ("t", "mesh")))
+            self.assertEqual([array is None for array in hits], [False, True, True, False, True, True, True])
         with self.assertRaises(ValueError):
             self.tree.trace([0, 0, 0], [0, 0, 1], outputs=("t", "normal"))
         for rays in (self.directions, np.ones((1, 3), np.float32)):
