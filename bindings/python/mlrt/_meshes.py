@@ -106,6 +106,8 @@ def _fill_mesh(struct: _abi.Mesh, vertices: Any, faces: Any) -> list[np.ndarray]
     struct.vertex_count = len(vertices)
     vertices, struct.vertices, struct.vertex_stride = _apart(vertices)
     if faces is None:
+        if len(vertices) % 3:
+            raise ValueError(f"vertices: {len(vertices)} are no triangles of three each; give faces")
         struct.triangle_count = len(vertices) // 3
         return [vertices]
     faces = face_array(faces)

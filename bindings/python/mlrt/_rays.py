@@ -6,10 +6,13 @@ from typing import Any, Optional
 
 import numpy as np
 
-from ._abi import NONE, STRIDE_ALL, pack_rays
+from ._abi import STRIDE_ALL, pack_rays
 from ._arrays import address, elements, floats, ids, vectors
+from ._errors import TooLargeError
+from ._meshes import in_32_bits
 
 _NO_ARRAY = (0, 0)
+_MOST_RAYS = 2**31 - 1  # of a call: checked before memory for results is asked for
 
 
 class Rays:
@@ -32,8 +35,7 @@ class Rays:
         mask: Optional[np.ndarray] = None,
     ) -> None:
         """mask: uint32, one for each ray."""
-        if not 0 <= row_length <= NONE:
-            raise ValueError(f"row_length: {row_length} does not fit into 32 bits")
+        row_length = in_32_bits(row_length, "row_length") if row_length else 0
         origins, directions = vectors(origins, "origins"), vectors(directions, "directions")
         t_min = None if t_min is None else floats(t_min)
         t_max = None if t_max is None else floats(t_max)
@@ -49,6 +51,8 @@ class Rays:
             shape = _common_shape(origins, directions, t_min, t_max, skip, mask)
         self.shape = shape
         self.count = prod(shape)
+        if self.count > _MOST_RAYS:
+            raise TooLargeError(f"rays: {self.count} is more than {_MOST_RAYS}")
         self._alive: list[np.ndarray] = []
         axes = self._group_axes(((origins, 3), (t_min, 1), (skip, 2)))
         self.packed = pack_rays(

@@ -321,12 +321,22 @@ class Refused(unittest.TestCase):
             with self.assertRaisesRegex(TypeError, ": an integer is needed, not "):
                 call()
 
+    def test_more_rays_than_a_call_can_have(self):
+        one, two = np.ones(3, np.float32), np.ones((2, 1, 3), np.float32)
+        for array, shape in ((one, (1 << 31, 3)), (one, (1 << 33, 3)), (two, (2, 1 << 32, 3))):
+            rays = np.broadcast_to(array, shape)
+            for call in (self.tree.trace, self.tree.occluded, lambda *rays: self.tree.hits(*rays, 1)):
+                with self.assertRaisesRegex(mlrt.TooLargeError, "^rays: ") as caught:
+                    call(rays, [0, 0, 1])
+                self.assertEqual(caught.exception.status, 5)
+
     def test_shapes_and_types(self):
         for vertices, faces in (
             (self.vertices[:, :2], self.faces),
             (self.vertices, self.faces[:, :2]),
             (self.vertices, self.faces.astype(float)),
             (self.vertices[0], self.faces),
+            (self.vertices, None),
         ):
             with self.assertRaises((ValueError, TypeError)):
                 mlrt.Tree(vertices, faces)
@@ -338,6 +348,8 @@ class Refused(unittest.TestCase):
             {"method": "fast"},
             {"isa": "neon"},
             {"row_length": -1},
+            {"row_length": 2.5},
+            {"row_length": 1 << 32},
         ):
             with self.assertRaises((ValueError, TypeError), msg=str(arguments)):
                 self.tree.trace(**{"origins": [0, 0, 0], "directions": [0, 0, 1], **arguments})
