@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Arrays for results: new ones, or the caller's, as an mlrt_hits or an mlrt_hit_lists."""
 
+from collections.abc import Iterable
 from functools import lru_cache
 from math import prod
 from typing import Any, Optional
@@ -14,6 +15,7 @@ from ._results import DTYPES, HIT_FIELDS, HitLists, Hits, check_names, make_hits
 
 _NO_ARRAY = (0, 0, 0)
 
+Placed = tuple[int, np.ndarray]  # with its address
 
 _TYPES = (FLOAT, UINT, INT)
 
@@ -56,15 +58,21 @@ def _caller_array(array: np.ndarray, name: str, dtypes: tuple[np.dtype, ...], sh
     if array.flags.c_contiguous and array.flags.aligned:
         return address(array), 0, 0
     strides = array.strides
-    if len(shape) > 2 or min(strides) <= 0 or any(stride % array.itemsize for stride in strides) or not array.flags.aligned:
+    if not 1 <= len(shape) <= 2 or min(strides) <= 0 or any(stride % array.itemsize for stride in strides) or not array.flags.aligned:
         raise ValueError(f"out: {name} must be contiguous, or have one or two axes with positive strides")
+    if len(shape) == 2:
+        (step, count), (leap, _) = sorted(zip(strides, shape))
+        if leap < step * count:
+            raise ValueError(f"out: {name} has elements that share memory")
     return address(array), strides[-1], strides[0] if len(strides) == 2 else 0
 
 
-def given_hits(out: Hits, shape: tuple[int, ...], rows: bool, lights: Optional[int] = None) -> bytes:
+def given_hits(
+    out: Hits, shape: tuple[int, ...], rows: bool, lights: Optional[int] = None, read: Iterable[Placed] = ()
+) -> bytes:
     """The mlrt_hits of the caller's arrays. `rows`: arrays of two axes may have a stride of their own for rows.
 
-    lights: how many there are; without them (None) there is no `occluded`.
+    lights: how many there are; without them (None) there is no `occluded`. read: arrays that are read meanwhile.
     """
     if not isinstance(out, Hits):
         raise TypeError(f"out: a mlrt.Hits is needed, not {type(out).__name__}")
@@ -77,18 +85,49 @@ def given_hits(out: Hits, shape: tuple[int, ...], rows: bool, lights: Optional[i
         if field[2] and not rows:
             raise ValueError(f"out: {name} must be contiguous, or have one axis")
         fields += field
+    _check_apart({name: array for name, array in zip(Hits._fields, arrays) if array is not None}, fields[::3], read)
     if out.occluded is not None and not lights:
         out.occluded[...] = 0
         fields[-3:] = _NO_ARRAY
     return pack_hits(0, *fields)
 
 
-def occluded(out: Optional[np.ndarray], shape: tuple[int, ...]) -> tuple[np.ndarray, bytes]:
-    """An array of bool, `out` if it is given, and the mlrt_hits with nothing but it."""
+def _check_apart(written: dict[str, np.ndarray], starts: list[int], read: Iterable[Placed]) -> None:
+    """Refuses arrays that results cannot be written to one by one, while `read` is read. starts: addresses, those of no array 0."""
+    placed = [*zip(filter(None, starts), written.values()), *read]
+    end = 0
+    for start, last in sorted([(start, start + _extent(array)) for start, array in placed]):
+        if start < end:
+            break
+        end = last
+    else:
+        return
+    names = list(written)
+    for place, name in enumerate(names):  # they lie within each other: have they elements in common?
+        for other in names[place + 1 :]:
+            if np.shares_memory(written[name], written[other]):
+                raise ValueError(f"out: {name} and {other} share memory")
+        if any(np.shares_memory(written[name], array) for _, array in read):
+            raise ValueError(f"out: {name} shares memory with the rays")
+
+
+def _extent(array: np.ndarray) -> int:
+    """Bytes from the beginning of the first element to the end of the last one; strides are not negative."""
+    if array.flags.c_contiguous:
+        return array.nbytes
+    return sum((count - 1) * stride for count, stride in zip(array.shape, array.strides)) + array.itemsize
+
+
+def occluded(
+    out: Optional[np.ndarray], shape: tuple[int, ...], read: Iterable[Placed] = ()
+) -> tuple[np.ndarray, bytes]:
+    """An array of bool, `out` if it is given, and the mlrt_hits with nothing but it. read: as above."""
     array = np.empty(shape, np.bool_) if out is None else out
     field = _caller_array(array, "occluded", (np.dtype(np.bool_), np.dtype(np.uint8)), shape)
     if field[2]:
         raise ValueError("out: must be contiguous, or have one axis")
+    if out is not None:
+        _check_apart({"occluded": out}, [field[0]], read)
     return array, pack_hits(0, *_NO_ARRAY * 6, *field)
 
 

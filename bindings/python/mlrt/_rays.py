@@ -16,13 +16,14 @@ _MOST_RAYS = 2**31 - 1  # of a call: checked before memory for results is asked 
 
 
 class Rays:
-    """Broadcast arrays of rays: `packed` is the mlrt_rays, valid as long as this lives; `shape` that of the results.
+    """Broadcast arrays of rays: `packed` is the mlrt_rays, valid as long as this lives; `shape` that of the results; `arrays`
+    are those that the library reads, each with its address.
 
     What is broadcast is not copied, if the library can do without: an array of one element, or origins, t_min and skip that
     are the same along the last axes.
     """
 
-    __slots__ = ("packed", "shape", "count", "_alive")
+    __slots__ = ("packed", "shape", "count", "arrays")
 
     def __init__(
         self,
@@ -53,7 +54,7 @@ class Rays:
         self.count = prod(shape)
         if self.count > _MOST_RAYS:
             raise TooLargeError(f"rays: {self.count} is more than {_MOST_RAYS}")
-        self._alive: list[np.ndarray] = []
+        self.arrays: list[tuple[int, np.ndarray]] = []
         axes = self._group_axes(((origins, 3), (t_min, 1), (skip, 2)))
         self.packed = pack_rays(
             # Rays of an array with two axes or more come in rows, as pixels do. Of a list, the library finds them.
@@ -88,15 +89,16 @@ class Rays:
             whole = self.shape if width == 1 else self.shape + (width,)
             if _constant_axes(array, width) is None:
                 array = np.require(array[_first(array, width, array.ndim)], requirements=("C", "A"))
-                self._alive.append(array)
-                return address(array), STRIDE_ALL
+                where = address(array)
+                self.arrays.append((where, array))
+                return where, STRIDE_ALL
             if group_axes:
                 array = array[_first(array, width, group_axes)]
                 whole = self.shape[:-group_axes] + whole[len(self.shape) :]
             if array.shape != whole:
                 array = np.broadcast_to(array, whole)
         array, where, stride = elements(array, width)
-        self._alive.append(array)
+        self.arrays.append((where, array))
         return where, stride
 
 

@@ -367,7 +367,8 @@ class Tree:
         mask: rays see the meshes whose mask has a bit in common with it, 0 = all bits, as is None. An int for all rays, or uint32
         (...), broadcast as well: a mask for each ray takes longer than one for all, where meshes have masks.
 
-        outputs: names of the wanted fields of Hits, None = all. out: a Hits of arrays to write to instead.
+        outputs: names of the wanted fields of Hits, None = all. out: a Hits of arrays to write to instead, which share memory neither
+        with each other nor with those of the rays.
         row_length: rays per row of a picture, a hint for speed; 0 = the length of the last of two or more axes, or for flat
         lists what they look like. float32 arrays whose numbers are packed and whose strides are positive are read where they are,
         others are copied once. Without the GIL.
@@ -396,7 +397,7 @@ class Tree:
         if out is None:
             out, packed = new_hits(outputs, rays.shape)
         else:
-            packed = given_hits(out, rays.shape, rows=False)
+            packed = given_hits(out, rays.shape, rows=False, read=rays.arrays)
         options = _options(_abi.QUERY_CLOSEST, method, isa, one_mask, pool, counters)
         out._rays = origins, directions  # also if the caller's knows others: its arrays are about to be written
         if wants_bar(progress):
@@ -443,7 +444,7 @@ class Tree:
                 return found
         one_mask, masks = (0, None) if mask is None else mask_words(mask)
         rays = Rays(origins, directions, t_min, t_max, skip, row_length, masks)
-        out, packed = occluded(out, rays.shape)
+        out, packed = occluded(out, rays.shape, rays.arrays)
         options = _options(_abi.QUERY_ANY, method, isa, one_mask, pool, counters)
         if wants_bar(progress):
             _trace_pieces(library.mlrt_trace_packet, tree, rays, options, packed, _abi.Hits, pool)

@@ -275,6 +275,34 @@ class Outputs(unittest.TestCase):
                 self.tree.trace([0, 0, 0], self.directions, out=mlrt.Hits(t=array))
 
 
+    def test_outputs_in_the_same_memory(self):
+        table = np.zeros((21, 6), np.float32)
+        rays, other = table[:20, :3], table[:20, 3]
+        self.tree.trace(rays, self.directions, t_max=table[:20, 4], out=mlrt.Hits(t=other, u=table[:20, 5]))
+        first, last = table.reshape(-1)[:20], table.reshape(-1)[-20:]
+        self.tree.trace(last[:3], self.directions, out=mlrt.Hits(t=first))
+        for out, text in (
+            ({"t": other, "u": other}, "t and u share"),
+            ({"t": first, "v": table.reshape(-1)[19:39]}, "t and v share"),
+            ({"t": first, "triangle": first.view(np.uint32)}, "t and triangle share"),
+            ({"u": table[1:, 3], "t": other}, "t and u share"),
+            ({"t": table[:20, 1]}, "t shares memory with the rays"),
+            ({"t": first}, "t shares memory with the rays"),
+        ):
+            with self.assertRaisesRegex(ValueError, f"^out: {text}"):
+                self.tree.trace(rays, self.directions, out=mlrt.Hits(**out))
+        with self.assertRaisesRegex(ValueError, "^out: occluded shares memory with the rays"):
+            self.tree.occluded(self.directions, [0, 0, 1], out=self.directions.view(np.uint8).reshape(-1)[:20])
+        camera = mlrt.Camera.look_at((3, 2, 4), (0, 0, 0), 5, 4)
+        for strides in ((4, 4), (16, 4), (4, 12)):
+            windows = np.lib.stride_tricks.as_strided(first, (4, 5), strides)
+            with self.assertRaisesRegex(ValueError, "^out: t has elements that share memory"):
+                self.tree.render(camera, out=mlrt.Hits(t=windows))
+        turned = np.zeros((5, 4), np.float32).T
+        self.tree.render(camera, out=mlrt.Hits(t=turned))
+        self.assertEqual(turned.tolist(), self.tree.render(camera).t.tolist())
+
+
 class Refused(unittest.TestCase):
     def setUp(self):
         self.vertices, self.faces = box()
