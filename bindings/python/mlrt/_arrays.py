@@ -38,7 +38,14 @@ def floats(values: Any) -> np.ndarray:
     """`values` as float32: itself if it is, else a copy, rounded to nearest."""
     if values.__class__ is np.ndarray and values.dtype is FLOAT:
         return values
-    return np.asarray(values, FLOAT)
+    return np.asarray(_whole(values), FLOAT)
+
+
+def _whole(values: Any) -> Any:
+    """`values`, if none of them is masked: numpy would take what lies below the mask."""
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        raise ValueError("an array has masked elements: fill them, with NaN for example")
+    return values
 
 
 def vectors(values: Any, name: str) -> np.ndarray:
@@ -52,7 +59,7 @@ def vectors(values: Any, name: str) -> np.ndarray:
 
 def ids(values: Any, name: str) -> np.ndarray:
     """`values` as uint32 of shape (..., 2): mesh and triangle. -1 becomes mlrt.NONE."""
-    array = np.asarray(values)
+    array = np.asarray(_whole(values))
     if array.dtype.kind not in "iu":
         raise TypeError(f"{name}: integers are needed, not {array.dtype}")
     if array.ndim == 0 or array.shape[-1] != 2:
@@ -83,7 +90,7 @@ def mask_words(values: Any) -> tuple[int, Optional[np.ndarray]]:
     """One mask for all rays, or 0 and an array of uint32, one for each."""
     if values.__class__ is int:
         return mask_word(values, "mask"), None
-    array = np.asarray(values)
+    array = np.asarray(_whole(values))
     if array.dtype.kind not in "iu":
         raise TypeError(f"mask: integers are needed, not {array.dtype}")
     if array.ndim == 0:
@@ -116,7 +123,7 @@ def faces(values: Any) -> np.ndarray:
 
     Indices that do not fit into 32 bits, negative ones included, become 0xFFFFFFFF, which no vertex has.
     """
-    array = np.asarray(values)
+    array = np.asarray(_whole(values))
     if array.dtype.kind not in "iu":
         raise TypeError(f"faces: integers are needed, not {array.dtype}")
     if array.ndim != 2 or array.shape[1] != 3:

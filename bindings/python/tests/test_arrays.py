@@ -358,6 +358,21 @@ class Refused(unittest.TestCase):
                     call(rays, [0, 0, 1])
                 self.assertEqual(caught.exception.status, 5)
 
+    def test_masked_elements(self):
+        rays = np.ma.array(np.ones((2, 3), np.float32), mask=np.zeros((2, 3)))
+        self.assertEqual(self.tree.trace(rays * 0, rays).t.tolist(), [1, 1])
+        faces = np.ma.array(self.faces, mask=np.arange(36).reshape(12, 3) == 7)
+        rays[1, 2] = np.ma.masked
+        for call in (
+            lambda: self.tree.trace([0, 0, 0], rays),
+            lambda: self.tree.occluded([0, 0, 0], [0, 0, 1], t_max=rays[1]),
+            lambda: self.tree.trace([0, 0, 0], [0, 0, 1], mask=rays[1].astype(int)),
+            lambda: self.tree.trace([0, 0, 0], [0, 0, 1], skip=rays[:, 1:].astype(int)),
+            lambda: mlrt.Tree(self.vertices, faces),
+        ):
+            with self.assertRaisesRegex(ValueError, "masked"):
+                call()
+
     def test_shapes_and_types(self):
         for vertices, faces in (
             (self.vertices[:, :2], self.faces),
