@@ -130,7 +130,9 @@ class Camera:
 
     def to_struct(self) -> _abi.Camera:
         """This as an mlrt_camera."""
-        crop = self.crop or (0, 0, 0, 0)
+        crop = (0, 0, 0, 0) if self.crop is None else tuple(self.crop)
+        if len(crop) != 4:
+            raise CameraError(f"crop: four numbers are needed, not {len(crop)}")
         names = "width", "height", "crop[0]", "crop[1]", "crop[2]", "crop[3]"
         for name, value in zip(names, (self.width, self.height, *crop)):
             if not 0 <= value <= _abi.NONE:

@@ -210,6 +210,13 @@ class Pictures(unittest.TestCase):
             camera.looks = 0
             self.assertEqual(call().shape[:2], (12, 16))
 
+    def test_crops(self):
+        camera = mlrt.Camera(16, 12, (-8, -6, 9), (1, 0, 0), (0, 1, 0), crop=np.array([3, 2, 5, 0]))
+        self.assertEqual(mlrt.Tree(*box()).render(camera).t.shape, (10, 5))
+        for camera.crop in ((), (1, 2, 3), (1, 2, 3, 4, 5)):
+            with self.assertRaisesRegex(mlrt.CameraError, "crop: four numbers"):
+                camera.rays()
+
     def test_interval(self):
         tree, camera = mlrt.Tree(*box()), mlrt.Camera.look_at((0, 0, 5), (0, 0, 0), 8, 8, fov=5)
         self.assertTrue(tree.render(camera).hit.all())
