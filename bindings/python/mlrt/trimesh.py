@@ -152,13 +152,14 @@ class RayMeshIntersector:
 
         A ray nearly in the plane may meet it outside of the triangle: then the point that float32 arithmetic found is taken.
         """
-        if self._planes is None:
-            self._planes = _Planes(self.mesh)
+        planes = self._planes  # another thread may forget them, as it builds the same tree
+        if planes is None:
+            planes = self._planes = _Planes(self.mesh)
         rays = _points(origins, ""), _points(directions, "")
         locations = np.empty((len(places.ray), 3))
         for start in range(0, len(places.ray), _PIECE):
             piece = slice(start, start + _PIECE)
-            self._planes.meet(*rays, Places._make(array[piece] for array in places), locations[piece])
+            planes.meet(*rays, Places._make(array[piece] for array in places), locations[piece])
         return locations
 
     def intersects_location(

@@ -46,6 +46,15 @@ class Queries(unittest.TestCase):
         locations, index_ray, index_tri = ray.intersects_location(origins, directions, multiple_hits=False)
         self.assertEqual((locations.tolist(), index_tri.tolist()), ([[0.25, 0.5, 1]], [first[0]]))
 
+    def test_another_thread_builds_the_same_tree(self):
+        class Forgetting(RayMeshIntersector):
+            """Another thread's first query is always about to end its build."""
+
+            _planes = property(lambda self: None, lambda self, value: None)
+
+        locations = Forgetting(Mesh(*box())).intersects_location([[0.25, 0.5, 5]], [[0, 0, -2]])[0]
+        self.assertEqual(locations.tolist(), [[0.25, 0.5, 1], [0.25, 0.5, -1]])
+
     def test_one_hit_per_place_on_an_edge(self):
         ray = RayMeshIntersector(stack(2))
         index_tri, index_ray = ray.intersects_id([[0, 0, 5]], [[0, 0, -1]])
