@@ -38,7 +38,7 @@ def write(path: Path, array: Bytes) -> None:
 
     Never into that other one: trees may lie in it.
     """
-    target = os.path.realpath(path)
+    target = os.path.realpath(os.fsdecode(path))
     if os.path.exists(target) and not os.path.isfile(target):  # a pipe, a device
         with open(target, "wb") as file:
             file.write(array.data)

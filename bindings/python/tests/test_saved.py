@@ -59,7 +59,7 @@ class Saved(unittest.TestCase):
             self.check_same(tree)
 
     def test_memory(self):
-        self.tree.save(self.path)
+        self.tree.save(os.fsencode(self.path))
         size = self.path.stat().st_size
         self.assertLess(mlrt.Tree.load(self.path).info.memory_size, size / 10)
         self.assertGreater(mlrt.Tree.load(self.path, in_place=False).info.memory_size, size / 2)
