@@ -388,9 +388,63 @@ static void test_far_origins(void **state)
     free_soup(&scene);
 }
 
+/*
+ * A triangle a million times larger than the others makes groups wide beside these, and lets their rays come from where
+ * float does not tell them apart. Such groups give up, and their answers are right.
+ */
+static void groups_give_up(void **state)
+{
+    (void)state;
+    static const float distances[] = {0x1p10f, 0x1p20f, 0x1p26f};
+    static const float size = 0x1p20f;
+    const mlrt_kdtree_options build = {.struct_size = sizeof build, .rules_off = MLRT_RULE_MINIMUM_CELL};
+    struct random random = {993};
+    struct soup scene = draw_scene(&random, 3000), all = {0};
+    for (size_t i = 0; i < scene.count; ++i) {
+        const float *c = scene.corners + 9 * i;
+        soup_add_triangle(&all, c, c + 3, c + 6);
+    }
+    soup_add_triangle(&all, (float[3]){-size, 8, -size}, (float[3]){size, 8, -size}, (float[3]){0, 8, size});
+    const mlrt_mesh mesh = soup_mesh(&all);
+    struct fixture fixture = {.name = "groups"};
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &build, &fixture.tree), MLRT_OK);
+    for (size_t i = 0; i < sizeof distances / sizeof distances[0]; ++i) {
+        const float from[3] = {0.48f * distances[i], -0.8f * distances[i], 0.36f * distances[i]};
+        for (int32_t method = MLRT_METHOD_PACKET2; method <= MLRT_METHOD_MULTILEVEL; ++method) {
+            struct ray_list list = {0};
+            add_far_rays(&list, &random, &scene, from, 0, 256);
+            add_far_rays(&list, &random, &scene, from, 2, 256);
+            mlrt_counters counters = {.struct_size = sizeof counters};
+            const mlrt_rays rays = public_rays(&list);
+            mlrt_trace_options options = {.struct_size = sizeof options, .method = method, .counters = &counters};
+            struct reference_hit *hits = allocate_or_fail(list.count, sizeof *hits);
+            struct reference_hit *wanted = allocate_or_fail(list.count, sizeof *wanted);
+            memset(hits, 0, list.count * sizeof *hits);
+            memset(wanted, 0, list.count * sizeof *wanted);
+            const mlrt_hits results = public_hits(hits, 0), reference = public_hits(wanted, 0);
+            assert_int_equal(mlrt_trace_packet(fixture.tree, &rays, &options, &results), MLRT_OK);
+            const uint64_t effort = counters.triangle_test_count + counters.judged_lane_count;
+            if (effort > 128 * list.count) {
+                fail_msg("distance %g, method %d: %.0f tests and close calls of a ray", (double)distances[i], method,
+                         (double)effort / (double)list.count);
+            }
+            options.method = MLRT_METHOD_RAY;
+            assert_int_equal(mlrt_trace_packet(fixture.tree, &rays, &options, &reference), MLRT_OK);
+            assert_memory_equal(hits, wanted, list.count * sizeof *hits);
+            free(hits);
+            free(wanted);
+            free_rays(&list);
+        }
+    }
+    mlrt_destroy_tree(fixture.tree);
+    free_soup(&all);
+    free_soup(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(groups_give_up),
         cmocka_unit_test(test_scales),
         cmocka_unit_test(test_odd_triangles),
         cmocka_unit_test(test_odd_triangles_stay_local),

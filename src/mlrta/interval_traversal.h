@@ -110,6 +110,7 @@ static void visit_leaf(const struct mlrt_job *job, const struct mlrt_node *leaf,
         }
         COUNT(&worker->counters, triangle_test_count, 1);
         changed |= test_triangle(job, number, setup, group, touched, packet, worker);
+        if (MLRT_UNLIKELY(group->effort_left < 0)) break;
     }
     if (!changed) return;
     if (job->any) group->lanes &= ~changed;
@@ -170,6 +171,7 @@ static void traverse_subtree(const struct mlrt_job *job, uint32_t node, struct d
         const struct mlrt_node *leaf =
             group->has_frustum ? descend(nodes, group, 1, &walk, worker) : descend(nodes, group, 0, &walk, worker);
         visit_leaf(job, leaf, farthest, group, packet, worker);
+        if (MLRT_UNLIKELY(--group->effort_left < 0)) return;
         for (;;) {
             if (walk.pending_count == 0) return;
             const struct pending_cell *next = &walk.stack[--walk.pending_count];
@@ -200,6 +202,7 @@ static void traverse_list(const struct mlrt_job *job, const struct entry_list *l
             continue;
         }
         traverse_subtree(job, list->entries[i].node, part, &farthest, group, packet, worker);
+        if (MLRT_UNLIKELY(group->effort_left < 0)) return;
     }
 }
 
@@ -213,6 +216,7 @@ static void traverse_interval(const struct mlrt_job *job, const struct entry_lis
         left &= ~group.lanes;
         COUNT(&worker->counters, packet_count, 1);
         traverse_list(job, list, &group, packet, worker);
+        if (MLRT_UNLIKELY(group.effort_left < 0)) packet->single |= group.lanes;
     }
 }
 

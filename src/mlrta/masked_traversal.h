@@ -115,6 +115,7 @@ MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lane
     group.lanes &= enter_box(packet, axis, negative, &tree->bounds, first, &part);
     if (!group.lanes) return;
 
+    group.effort_left = effort_of_group(group.lanes);
     struct masked_cell stack[MLRT_DEPTH_LIMIT];
     int pending_count = 0;
     uint32_t node = 0;
@@ -143,11 +144,16 @@ MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lane
         }
         const uint32_t *entries = tree->kdtree.references + here->u.offset;
         const uint32_t count = mlrt_leaf_count(here);
-        for (uint32_t i = 0; i < count && group.lanes; ++i) {
+        --group.effort_left;
+        for (uint32_t i = 0; i < count && group.lanes && group.effort_left >= 0; ++i) {
             const uint32_t changed = test_masked(job, entries[i], &group, packet, worker);
             if (!job->any) continue;
             alive &= ~changed;
             group.lanes &= alive;
+        }
+        if (MLRT_UNLIKELY(group.effort_left < 0)) {
+            packet->single |= alive;
+            return;
         }
         const f4 nearest = f4_load(packet->nearest.hi + first);
         do {

@@ -116,13 +116,14 @@ static MLRT_NOINLINE struct outcome filter_from_anywhere(const struct mlrt_tree 
  * triangle if the rays have a common origin, else NULL. Returns the lanes whose nearest hit changed.
  */
 static uint32_t test_triangle(const struct mlrt_job *job, uint32_t number, const struct mlrt_triangle_setup *setup,
-                              const struct ray_group *group, uint32_t lanes, struct mlrt_packet *packet,
+                              struct ray_group *group, uint32_t lanes, struct mlrt_packet *packet,
                               struct mlrt_worker *worker)
 {
     lanes = lanes_that_see(job, worker, packet, number, lanes);
     const struct outcome outcome = setup ? filter_lanes(job->tree, number, setup, group, lanes, packet, worker)
                                          : filter_from_anywhere(job->tree, number, group, lanes, packet, worker);
     if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;
+    group->effort_left -= (int)mlrt_count_bits(outcome.undecided);
     return outcome.nearer |
            decide_lanes(job->tree, number, outcome.undecided, outcome.inside, packet, worker, COUNTERS(worker));
 }

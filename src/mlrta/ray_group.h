@@ -33,6 +33,16 @@
  */
 #define GROUP_EXTENT 0.03125f
 
+/*
+ * A group gives up, and its rays go one by one in double, when the leaves that it visits, and the tests of its rays that
+ * float leaves undecided, are more than this together: so many, and so many for each ray. For the limits above are
+ * shares of the whole scene. If most of the scene is small beside one triangle, groups within the limits can meet all of
+ * it. Measured on a sphere of 19,600 triangles over a triangle 1000 times larger: 4 us in place of 600 for rays of
+ * different origins from 300 radii away, 6 in place of 6000 from 10^7.
+ */
+#define GROUP_EFFORT     64
+#define GROUP_RAY_EFFORT 32
+
 /* Bounds of the directions of some lanes; and, with index 3, the least t_min and the greatest distance to look at. */
 struct lane_range {
     MLRT_ALIGNED(16) float lo[4];
@@ -60,6 +70,7 @@ struct ray_group {
     float reach;               /* the larger of |d_main| and twice any other |d_k|: R of triangle_filter.h */
     int has_frustum;           /* the rays have a common origin, and `slopes` is set */
     struct ray_slopes slopes;  /* over the main axis */
+    int effort_left;           /* of GROUP_EFFORT; negative = the group has given up */
     uint32_t seen[SEEN_COUNT]; /* triangles tested lately: entry number % SEEN_COUNT */
 };
 
@@ -204,6 +215,11 @@ MLRT_INLINE void set_frustum(const struct mlrt_packet *packet, struct ray_group 
         set_ray_slopes(packet, a, (a + 1 + side) % 3, group->slopes.lo[side], group->slopes.hi[side]);
 }
 
+MLRT_INLINE int effort_of_group(uint32_t lanes)
+{
+    return GROUP_EFFORT + GROUP_RAY_EFFORT * (int)mlrt_count_bits(lanes);
+}
+
 /* Makes a group from the lowest of `lanes` and those of the others that fit it. */
 static void make_group(const struct mlrt_packet *packet, uint32_t lanes, const struct mlrt_box *scene,
                        struct ray_group *group)
@@ -225,6 +241,7 @@ static void make_group(const struct mlrt_packet *packet, uint32_t lanes, const s
         find_range(packet, lanes, range);
     }
     group->lanes = lanes;
+    group->effort_left = effort_of_group(lanes);
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) set_group_axis(packet, lanes, k, range->lo[k], range->hi[k], &group->axis[k]);
     set_main_axis(group);
