@@ -3,11 +3,12 @@
  * contest.h - the contenders of a task take turns on the same rays, and their answers are compared
  *
  * A contender's speed is that of its fastest run, since whatever else happens on a machine only takes time from a run.
- * All contenders run once in each round, so that each has the same chance of an undisturbed one. If each has one thread, its processor time counts, otherwise the time that passes. Before the
- * rounds each contender answers once: for a sample of the rays the library's answers must be those of another of its
- * methods, and pictures must look alike. Another build of the library traces a tree of its own; it and the library go
- * first by turns. Answers that differ are counted: the library's and those of Embree fast from those of Embree robust,
- * those of the other build from the library's.
+ * All contenders run once in each round, so that each has the same chance of an undisturbed one. If each has one
+ * thread, its processor time counts, otherwise the time that passes. Before the rounds each contender answers once: for
+ * a sample of the rays the library's answers must be those of another of its methods, and pictures must look alike.
+ * Another build of the library traces a tree of its own; it and the library go first by turns. Answers that differ are
+ * counted: the library's and those of Embree fast from those of Embree robust, those of the other build from the
+ * library's.
  */
 #ifndef CONTEST_H
 #define CONTEST_H

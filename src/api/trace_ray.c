@@ -110,7 +110,7 @@ MLRT_INLINE int is_usual_call(const mlrt_tree *tree, const mlrt_ray *ray, const 
            (!options || mlrt_is_known_isa(options->isa));
 }
 
-/* Traces usual calls in the caller's floating-point environment, if it is as wanted; trace_any_ray traces the others. */
+/* Traces usual calls where the caller's floating-point environment is as wanted; trace_any_ray traces the others. */
 MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                                 mlrt_hit *hit)
 {

@@ -128,10 +128,10 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 /*
  * The library computes with round to nearest, denormals kept, and exceptions masked. mlrt_enter_fp_environment saves
  * the caller's environment and sets that one if it is another; mlrt_leave_fp_environment restores what was saved then.
- * Exception flags are left as arithmetic raised them: on processors of Intel, to lower them again takes up to 100 ns. Every exported
- * function that computes with floats, and every thread's work, runs between the two: mostly as MLRT_COMPUTE, which is
- * given a statement. This must be a call of a function that is not inlined, so that the compiler moves no arithmetic
- * out of it.
+ * Exception flags are left as arithmetic raised them, since to lower them again can take 100 ns (docs/tried.md, "What
+ * paid"). Every exported function that computes with floats, and every thread's work, runs between the two: mostly as
+ * MLRT_COMPUTE, which is given a statement. This must be a call of a function that is not inlined, so that the compiler
+ * moves no arithmetic out of it.
  */
 #define MLRT_COMPUTE(statement)                                                                                        \
     do {                                                                                                               \

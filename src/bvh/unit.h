@@ -26,7 +26,7 @@
 /* Sets the unit of tree->bvh from the triangles. Returns the exponent of a typical coordinate. */
 int mlrt_set_bvh_unit(struct mlrt_tree *tree);
 
-/* Sets `whole`, `core` and `reach` (scene/reach.h) of tree->bvh from unit, that exponent, the triangles, and tree->bounds. */
+/* Sets whole, core and reach (scene/reach.h) of tree->bvh from unit, that exponent, triangles, and tree->bounds. */
 void mlrt_set_bvh_extent(struct mlrt_tree *tree, int typical);
 
 /* The low bound of a box for a coordinate in units, rounded down. */

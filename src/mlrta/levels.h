@@ -39,9 +39,7 @@ static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, 
     const uint32_t lanes = mlrt_existing_lanes(&job->source, block);
     struct mlrt_packet packet;
     get_packet(job, block, lanes, &packet);
-    const uint32_t far = packet.active & ~lanes_within_reach(job->tree->kdtree.reach, &packet);
-    packet.active &= ~far;
-    packet.single |= far;
+    set_far_rays_aside(job->tree->kdtree.reach, &packet);
     if (packet.active) trace_active(job, list, &packet, worker);
     end_packet(job, worker, lanes, block, &packet);
 }

@@ -20,8 +20,9 @@
 
 /*
  * Along each axis, directions of a group differ by at most this share of their greatest component; by less if the group
- * comes from far outside, so that it is no wider in the scene (share_of_scene). Measured on the shadow rays of conference,
- * where blocks on silhouettes are wide: 4600 ms without a limit, 500 ms at 0.1, 230 ms at 0.05, no further gain below.
+ * comes from far outside, so that it is no wider in the scene (share_of_scene). Measured on the shadow rays of
+ * conference, where blocks on silhouettes are wide: 4600 ms without a limit, 500 ms at 0.1, 230 ms at 0.05, no further
+ * gain below.
  */
 #define GROUP_SPREAD 0.05f
 
@@ -34,11 +35,11 @@
 #define GROUP_EXTENT 0.03125f
 
 /*
- * A group gives up, and its rays go one by one in double, when the leaves that it visits, and the tests of its rays that
- * float leaves undecided, are more than this together: so many, and so many for each ray. For the limits above are
- * shares of the whole scene. If most of the scene is small beside one triangle, groups within the limits can meet all of
- * it. Measured on a sphere of 19,600 triangles over a triangle 1000 times larger, cells of any size allowed, per ray: 4 us
- * in place of 600 from different origins 300 radii away, 6 in place of 6000 from 10^7.
+ * The limits above are shares of the whole scene. If most of it is small beside one triangle, groups within the limits
+ * can meet all that is small. So a group has a budget, GROUP_EFFORT and GROUP_RAY_EFFORT for each of its rays: a leaf
+ * takes one, and so does each ray that float leaves undecided for a triangle. When it is spent the group gives up, and
+ * its rays go one by one in double. Measured on a sphere of 19,600 triangles over a triangle 1000 times larger, with
+ * cells of any size: 4 us a ray in place of 600 from origins 300 radii away, 6 in place of 6000 from 10^7.
  */
 #define GROUP_EFFORT     64
 #define GROUP_RAY_EFFORT 32
@@ -70,7 +71,7 @@ struct ray_group {
     float reach;               /* the larger of |d_main| and twice any other |d_k|: R of triangle_filter.h */
     int has_frustum;           /* the rays have a common origin, and `slopes` is set */
     struct ray_slopes slopes;  /* over the main axis */
-    int effort_left;           /* of GROUP_EFFORT; negative = the group has given up */
+    int effort_left;           /* of its budget; negative = the group has given up */
     uint32_t seen[SEEN_COUNT]; /* triangles tested lately: entry number % SEEN_COUNT */
 };
 
@@ -99,7 +100,7 @@ MLRT_INLINE int have_common_signs(const struct lane_range *range)
              (range->lo[2] < 0 && range->hi[2] >= 0));
 }
 
-/* The share of the distance from `origin` to the far end of the scene, roughly, that the scene's extent is: at most 1. */
+/* The extent of the scene, as a share of how far outside of it `origin` is; at most 1. */
 MLRT_INLINE float share_of_scene(const float origin[3], const struct mlrt_box *scene)
 {
     const float extent = mlrt_extent_of(scene);
@@ -226,9 +227,8 @@ static void make_group(const struct mlrt_packet *packet, uint32_t lanes, const s
 {
     struct lane_range *range = &group->range;
     const uint32_t first = mlrt_lowest_bit(lanes);
-    const float origin[3] = {packet->has.apex ? packet->apex[0] : packet->origin[0][first],
-                             packet->has.apex ? packet->apex[1] : packet->origin[1][first],
-                             packet->has.apex ? packet->apex[2] : packet->origin[2][first]};
+    float origin[3];
+    for (int k = 0; k < 3; ++k) origin[k] = packet->has.apex ? packet->apex[k] : packet->origin[k][first];
     const float limit = GROUP_SPREAD * share_of_scene(origin, scene);
     if (!packet->has.apex) lanes = near_lanes(packet, lanes, scene);
     find_range(packet, lanes, range);

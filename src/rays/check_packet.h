@@ -100,8 +100,8 @@ MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
     check_vectors(lanes & is_interval, packet);
 }
 
-/* The lanes whose origins have no coordinate beyond `reach`. */
-MLRT_INLINE uint32_t lanes_within_reach(float reach, const struct mlrt_packet *packet)
+/* Makes active rays single whose origins have a coordinate beyond `reach`. */
+MLRT_INLINE void set_far_rays_aside(float reach, struct mlrt_packet *packet)
 {
     uint32_t within = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
@@ -112,7 +112,8 @@ MLRT_INLINE uint32_t lanes_within_reach(float reach, const struct mlrt_packet *p
         }
         within |= m_bits(v_le(greatest, v_set1(reach))) << v;
     }
-    return within;
+    packet->single |= packet->active & ~within;
+    packet->active &= within;
 }
 
 #endif

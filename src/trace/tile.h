@@ -423,9 +423,7 @@ static MLRT_NOINLINE void check_odd_packet(const struct mlrt_bundle_scene *scene
     const uint32_t lanes = packet->active | packet->single;
     if (MLRT_LIKELY(scene->unit == 1)) {
         check_packet(lanes, packet);
-        const uint32_t far = packet->active & ~lanes_within_reach(scene->reach, packet);
-        packet->active &= ~far;
-        packet->single |= far;
+        set_far_rays_aside(scene->reach, packet);
     } else {
         check_packet_in_units(lanes, scene->unit, scene->reach, packet);
     }
