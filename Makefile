@@ -111,7 +111,7 @@ LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 KERNELS     := $(if $(and $(IS_X86),$(if $(SCALAR),,1)),sse avx2 avx512,scalar)
 ISAS        := scalar $(filter-out scalar,$(KERNELS))
 ISA_FLAGS_avx2   := -mavx2 -mfma
-ISA_FLAGS_avx512 := -mavx512f -mavx512dq
+ISA_FLAGS_avx512 := -mavx512f -mavx512dq -mfma
 # On Windows gcc may leave the stack unaligned (bug 54412); with this flag, a recent assembler makes moves unaligned.
 UNALIGNED := -Wa$(comma)-muse-unaligned-vector-move
 ifneq ($(filter %-mingw32,$(TARGET)),)

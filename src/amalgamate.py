@@ -32,7 +32,7 @@ KERNELS = [
     Kernel("scalar", "isa/scalar.c", "!MLRT_SSE_KERNELS", None),
     Kernel("sse", "isa/sse.c", "MLRT_SSE_KERNELS", None),
     Kernel("avx2", "isa/avx2.c", "MLRT_SSE_KERNELS", "avx2,fma"),
-    Kernel("avx512", "isa/avx512.c", "MLRT_SSE_KERNELS", "avx512f,avx512dq"),
+    Kernel("avx512", "isa/avx512.c", "MLRT_SSE_KERNELS", "avx512f,avx512dq,fma"),
 ]
 KERNEL_TEXT = "isa/kernels.h"
 

@@ -40,7 +40,7 @@ FLAGS = {
     "simd/quad_sse.h": ["-msse2"],
     "simd/sse.h": ["-msse2"],
     "simd/avx2.h": ["-mavx2", "-mfma"],
-    "simd/avx512.h": ["-mavx512f", "-mavx512dq"],
+    "simd/avx512.h": ["-mavx512f", "-mavx512dq", "-mfma"],
     "simd/intrinsics.h": ["-msse2", "-include", "simd/sse.h"],
 }
 
