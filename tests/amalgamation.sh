@@ -35,6 +35,7 @@ fused_in() {
     "$("$gcc" -print-prog-name=objdump)" -d "$1" | grep -cE 'fn?m(add|sub|la|ls)|[[:space:]]m[as][ed]br?[[:space:]]|[wv]fm[as]' || true
 }
 fused=$(fused_in "$object")
+case $target in i?86-*) fused=0 ;; esac # its kernels are those of this machine
 if [ "$fused" != 0 ]; then
     "$@" -O2 -ffp-contract=off -c "$folder/mlrt.c" -o "$folder/$name-off.o"
     meant=$(fused_in "$folder/$name-off.o")

@@ -144,7 +144,7 @@ static void test_odd_triangles(void **state)
             const int power = odd == 6 && powers[i] > 0 ? 0 : powers[i];
             snprintf(name, sizeof name, "%s, all times 2^%d", odd_triangles[odd].name, power);
             check_scene(name, odd, &scene, power, 0, 1, odd);
-            check_scene(name, odd, &scene, power, power, 1, odd);
+            if (power) check_scene(name, odd, &scene, power, power, 1, odd);
             free_soup(&scene);
         }
     }
