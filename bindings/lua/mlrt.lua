@@ -252,18 +252,39 @@ local function choose(words, word, name)
     return words[word] or error(name .. ": there is no " .. tostring(word), 0)
 end
 
-local function vector(target, values, name)
-    if values == nil then return end
-    if type(values) == "table" and #values ~= 3 then error(name .. ": three numbers are needed, not " .. #values, 0) end
-    local first = type(values) == "table" and 1 or 0
-    for k = 0, 2 do target[k] = values[first + k] end
-end
-
-local pointers = {float = ffi.typeof "const float *", uint32_t = ffi.typeof "const uint32_t *", int32_t = ffi.typeof "const int32_t *",
+local pointers = {float = ffi.typeof "const float *", double = ffi.typeof "const double *", uint32_t = ffi.typeof "const uint32_t *", int32_t = ffi.typeof "const int32_t *",
     uint8_t = ffi.typeof "const uint8_t *", uint16_t = ffi.typeof "const uint16_t *"}
 
 local function is_array(value)
     return type(value) == "cdata" and tostring(ffi.typeof(value)):find("[", 1, true) ~= nil
+end
+
+local WORD, SIZE = 2^32 - 1, 2^53 -- the greatest of a uint32_t, and of a size_t that is exact
+
+-- A whole number from 0 to `most`: C would take another one for it. nil is `default`.
+local function whole(value, most, name, default)
+    if value == nil then return default or 0 end
+    local number = tonumber(value)
+    if not number or number % 1 ~= 0 or number < 0 or number > most then
+        error(name .. ": " .. tostring(value) .. " is not a whole number from 0 to " .. (most == WORD and "2^32 - 1" or "2^53"), 0)
+    end
+    return number
+end
+
+-- Bits, which may be those of a negative number: functions of `bit` return such.
+local function bits(value, name)
+    if type(value) == "number" and value < 0 and value >= -2^31 then value = value % 2^32 end
+    return whole(value, WORD, name)
+end
+
+local function vector(target, values, name)
+    if values == nil then return end
+    if type(values) == "table" and #values ~= 3 then error(name .. ": three numbers are needed, not " .. #values, 0) end
+    if is_array(values) and ffi.sizeof(values) < (pcall(pointers.double, values) and 24 or 12) then
+        error(name .. ": three numbers are needed, not " .. ffi.sizeof(values) .. " bytes", 0)
+    end
+    local first = type(values) == "table" and 1 or 0
+    for k = 0, 2 do target[k] = values[first + k] end
 end
 
 local All = {}
@@ -298,7 +319,8 @@ local function input(field, value, ctype, width, count, name, kept)
         if #value.element ~= width then error(name .. ": one element for all has " .. width .. " numbers, not " .. #value.element, 0) end
         value = {data = ffi.new(ctype .. "[?]", width, value.element), stride = STRIDE_ALL}
     elseif type(value) == "table" and value.data ~= nil then
-        check_room(value.data, count == 0 and 0 or (count - 1) * (value.stride or 4 * width) + 4 * width, name)
+        local stride = whole(value.stride, SIZE, name .. ", stride")
+        check_room(value.data, count == 0 and 0 or (count - 1) * (stride > 0 and stride or 4 * width) + 4 * width, name)
     else
         if type(value) == "table" then value = ffi.new(ctype .. "[?]", #value, value) end
         if not is_array(value) or not pcall(pointers[ctype], value) then error(name .. ": " .. ctype .. "[], a table, a number or mlrt.all is needed", 0) end
@@ -330,8 +352,10 @@ local function results(target, options, allowed, size)
             local bytes = ffi.sizeof(ctype)
             if value == nil then value = ffi.new(ctype .. "[?]", columns * rows) end
             local given = type(value) == "table" and value or {data = value}
-            local stride = given.stride and given.stride > 0 and given.stride or bytes
-            local row_stride = given.row_stride and given.row_stride > 0 and given.row_stride or stride * columns
+            local stride = whole(given.stride, SIZE, "into." .. name .. ", stride")
+            local row_stride = whole(given.row_stride, SIZE, "into." .. name .. ", row_stride")
+            if stride == 0 then stride = bytes end
+            if row_stride == 0 then row_stride = stride * columns end
             if type(value) == "cdata" and not (is_array(value) and pcall(pointers[ctype], value)) then
                 error("into." .. name .. ": " .. ctype .. "[] is needed", 0)
             end
@@ -351,9 +375,13 @@ end
 
 -- ---- calls ---------------------------------------------------------------------------------------------------------
 
--- A call with callbacks. LuaJIT must not compile it, since they come back into Lua.
-local function call(f, ...)
-    return f(...)
+-- A call with callbacks, which may not close what it uses. LuaJIT must not compile it, since they come back into Lua.
+local function call(used, f, ...)
+    for _, object in pairs(used) do object.calls = object.calls + 1 end
+    local ok, status = pcall(f, ...)
+    for _, object in pairs(used) do object.calls = object.calls - 1 end
+    if not ok then error(status, 0) end
+    return status
 end
 jit.off(call)
 
@@ -397,18 +425,19 @@ local function callbacks(options)
     return self
 end
 
-local function trace_options(options, query, callback_host)
+local function trace_options(options, query)
     local s = struct "trace_options"
     s.query = query
     s.method = choose(methods, options.method or "default", "options.method")
     s.isa = choose(isas, options.isa or "auto", "options.isa")
     s.culling = choose(cullings, options.culling or "inverse", "options.culling")
     s.culling_check = options.culling_check and 1 or 0
-    s.initial_tile_size, s.minimum_tile_size = options.initial_tile_size or 0, options.minimum_tile_size or 0
-    s.split_factor, s.shortcuts_off, s.mask = options.split_factor or 0, options.shortcuts_off or 0, options.mask or 0
+    for _, name in ipairs{"initial_tile_size", "minimum_tile_size", "split_factor"} do
+        s[name] = whole(options[name], WORD, "options." .. name)
+    end
+    s.shortcuts_off, s.mask = bits(options.shortcuts_off, "options.shortcuts_off"), bits(options.mask, "options.mask")
     s.pool = options.pool and open(options.pool) or nil
     s.counters = options.counters and options.counters.struct or nil
-    s.host = callback_host
     return s
 end
 
@@ -417,6 +446,7 @@ end
 -- Frees it now. Again does nothing.
 local function closer(destroy)
     return function(object)
+        if object.calls > 0 then error("mlrt: closed during a call that uses it", 0) end
         if object.handle then destroy(ffi.gc(object.handle, nil)) end
         object.handle = nil
     end
@@ -435,8 +465,8 @@ Pool.__index, Tree.__index = Pool, Tree
 -- @return a pool, freed by `pool:close()` or the garbage collector
 function mlrt.pool(threads)
     local out = ffi.new "mlrt_pool *[1]"
-    check(C.mlrt_create_pool(threads or 0, out))
-    return setmetatable({handle = ffi.gc(out[0], C.mlrt_destroy_pool), threads = threads}, Pool)
+    check(C.mlrt_create_pool(whole(threads, WORD, "threads"), out))
+    return setmetatable({handle = ffi.gc(out[0], C.mlrt_destroy_pool), threads = threads, calls = 0}, Pool)
 end
 
 -- `data`, which may be nil, is kept as long as the tree.
@@ -445,7 +475,7 @@ local function new_tree(handle, data)
         C.mlrt_destroy_tree(tree)
         keep(data)
     end
-    return setmetatable({handle = ffi.gc(handle, data and destroy or C.mlrt_destroy_tree), data = data}, Tree)
+    return setmetatable({handle = ffi.gc(handle, data and destroy or C.mlrt_destroy_tree), data = data, calls = 0}, Tree)
 end
 
 -- ---- building ------------------------------------------------------------------------------------------------------
@@ -462,13 +492,15 @@ local function triples(value, stride, count, ctypes, name)
     end
     if not ctype or not (is_array(value) or count) then error(name .. ": " .. ctypes[1] .. "[3 n] or a table is needed", 0) end
     local size = 3 * ffi.sizeof(ctype)
-    if is_array(value) and not stride and not count and ffi.sizeof(value) % size ~= 0 then
+    stride = whole(stride, SIZE, name .. ", stride")
+    count = count and whole(count, SIZE, name .. ", count")
+    if is_array(value) and stride == 0 and not count and ffi.sizeof(value) % size ~= 0 then
         error(name .. ": " .. ctypes[1] .. "[3 n] or a table is needed", 0)
     end
-    local step = stride and stride > 0 and stride or size
+    local step = stride > 0 and stride or size
     count = count or math.max(0, math.floor((ffi.sizeof(value) - size) / step) + 1)
     check_room(value, count == 0 and 0 or (count - 1) * step + size, name)
-    return value, count, stride or 0, ffi.sizeof(ctype)
+    return value, count, stride, ffi.sizeof(ctype)
 end
 
 local function mesh_list(meshes)
@@ -476,10 +508,10 @@ local function mesh_list(meshes)
     local kept, list = {}, ffi.new("mlrt_mesh[?]", #meshes)
     for i, mesh in ipairs(meshes) do
         local target, name = list[i - 1], "meshes[" .. i - 1 .. "]."
-        target.struct_size, target.id, target.mask = ffi.sizeof "mlrt_mesh", mesh.id or 0, mesh.mask or 0
+        target.struct_size, target.id, target.mask = ffi.sizeof "mlrt_mesh", whole(mesh.id, WORD, name .. "id"), bits(mesh.mask, name .. "mask")
         local vertices, count, stride = triples(mesh.vertices, mesh.vertex_stride, mesh.vertex_count, {"float"}, name .. "vertices")
         target.vertices, target.vertex_count, target.vertex_stride = vertices, count, stride
-        target.triangle_count = mesh.triangle_count or math.floor(count / 3)
+        target.triangle_count = whole(mesh.triangle_count, SIZE, name .. "triangle_count", math.floor(count / 3))
         kept[#kept + 1] = vertices
         if mesh.indices then
             local indices, triangles, step, size = triples(mesh.indices, mesh.triangle_stride, mesh.triangle_count, {"uint32_t", "uint16_t"}, name .. "indices")
@@ -490,30 +522,31 @@ local function mesh_list(meshes)
     return list, #meshes, kept
 end
 
-local function tree_options(options, host)
+local function tree_options(options)
     local s = struct "tree_options"
     s.preset = choose(presets, options.preset or "default", "options.preset")
     s.traversal_cost, s.intersection_cost = options.traversal_cost or 0, options.intersection_cost or 0
-    s.memory_limit, s.host = options.memory_limit or 0, host
+    s.memory_limit = whole(options.memory_limit, SIZE, "options.memory_limit")
     s.pool = options.pool and open(options.pool) or nil
     return s
 end
 
-local function kdtree_options(options, host)
+local function kdtree_options(options)
     local s = struct "kdtree_options"
     s.preset = choose(kdtree_presets, options.preset or "paper", "options.preset")
     s.traversal_cost, s.intersection_cost = options.traversal_cost or 0, options.intersection_cost or 0
-    s.memory_limit, s.host, s.max_references = options.memory_limit or 0, host, options.max_references or 0
-    s.max_depth, s.rules_off = options.max_depth or 0, options.rules_off or 0
+    for _, name in ipairs{"memory_limit", "max_references"} do s[name] = whole(options[name], SIZE, "options." .. name) end
+    s.max_depth, s.rules_off = whole(options.max_depth, WORD, "options.max_depth"), bits(options.rules_off, "options.rules_off")
     s.pool = options.pool and open(options.pool) or nil
     return s
 end
 
 local function build(builder, make_options, meshes, options)
     local list, count, kept = mesh_list(meshes)
+    local out, settings = ffi.new "mlrt_tree *[1]", make_options(options)
     local calls = callbacks(options)
-    local out, settings = ffi.new "mlrt_tree *[1]", make_options(options, calls.host)
-    local status = call(builder, list, count, settings, out)
+    settings.host = calls.host
+    local status = call({options.pool}, builder, list, count, settings, out)
     keep(kept, options)
     local tree = out[0] ~= nil and new_tree(out[0]) or nil
     calls.finish(status)
@@ -546,12 +579,18 @@ end
 -- @return a tree
 function mlrt.load(data, options)
     options = options or {}
-    local calls, s, out = callbacks{log = options.log}, struct "load_options", ffi.new "mlrt_tree *[1]"
-    s.flags, s.geometry_hash, s.memory_limit = options.in_place and 1 or 0, options.geometry_hash or 0, options.memory_limit or 0
+    local s, out = struct "load_options", ffi.new "mlrt_tree *[1]"
+    s.flags, s.geometry_hash = options.in_place and 1 or 0, options.geometry_hash or 0
+    s.memory_limit = whole(options.memory_limit, SIZE, "options.memory_limit")
+    local there = type(data) == "string" and #data or is_array(data) and ffi.sizeof(data)
+    local size = options.size and whole(options.size, SIZE, "options.size") or there
+    if not size or not there and type(data) ~= "cdata" then
+        error("data: a string, an FFI array, or a pointer and options.size are needed", 0)
+    end
+    if there and size > there then error("options.size: " .. size .. " bytes, but data has " .. there, 0) end
+    local calls = callbacks{log = options.log}
     s.host = calls.host
-    local size = options.size or type(data) == "string" and #data or is_array(data) and ffi.sizeof(data)
-    if not size then error("data: a string, an FFI array, or a pointer and options.size are needed", 0) end
-    local status = call(C.mlrt_load_tree, ffi.cast("const void *", data), size, s, out)
+    local status = call({}, C.mlrt_load_tree, ffi.cast("const void *", data), size, s, out)
     local tree = out[0] ~= nil and new_tree(out[0], options.in_place and data or nil) or nil
     keep(data)
     calls.finish(status)
@@ -618,12 +657,13 @@ end
 -- ---- many rays -----------------------------------------------------------------------------------------------------
 
 local function rays_struct(rays, kept)
-    local s, k = struct "rays", rays.rays_per_origin or 1
+    local s, k = struct "rays", math.max(1, whole(rays.rays_per_origin, WORD, "rays.rays_per_origin"))
     local groups = count_of(rays.origins, 3)
     local count = rays.count or count_of(rays.directions, 3) or count_of(rays.t_max, 1) or count_of(rays.mask, 1) or groups and groups * k
     if not count then error("rays.count: it is needed, since no array of rays is packed", 0) end
+    count = whole(count, SIZE, "rays.count")
     groups = math.floor(count / k)
-    s.count, s.rays_per_origin, s.row_length = count, k, rays.row_length or 0
+    s.count, s.rays_per_origin, s.row_length = count, k, whole(rays.row_length, WORD, "rays.row_length")
     input(s.origins, rays.origins, "float", 3, groups, "rays.origins", kept)
     input(s.directions, rays.directions, "float", 3, count, "rays.directions", kept)
     input(s.t_min, rays.t_min, "float", 1, groups, "rays.t_min", kept)
@@ -637,9 +677,10 @@ local function trace(tree, rays, options, query, allowed)
     local kept, hits = {}, struct "hits"
     local list, count = rays_struct(rays, kept)
     local arrays = results(hits, options, allowed, function() return count, 1 end)
+    local settings, handle = trace_options(options, query), open(tree)
     local calls = callbacks(options)
-    local settings = trace_options(options, query, calls.host)
-    local status = call(C.mlrt_trace_packet, open(tree), list, settings, hits)
+    settings.host = calls.host
+    local status = call({tree, options.pool}, C.mlrt_trace_packet, handle, list, settings, hits)
     keep(tree, options, kept, arrays)
     calls.finish(status)
     arrays.count = count
@@ -672,15 +713,16 @@ end
 -- @return a table: t, u, v, mesh, triangle, facing, crossing with `capacity` elements per ray; total, crossing_total
 function Tree:all_hits(rays, options)
     options = options or {}
-    local kept, lists, capacity = {}, struct "hit_lists", options.capacity or 0
+    local kept, lists, capacity = {}, struct "hit_lists", whole(options.capacity, WORD, "options.capacity")
     local list, count = rays_struct(rays, kept)
     local allowed = {"total", "crossing_total"}
     if capacity > 0 then allowed = {"t", "u", "v", "mesh", "triangle", "facing", "crossing", "total", "crossing_total"} end
     lists.capacity = capacity
     local arrays = results(lists, options, allowed, function(name) return name:find "total" and count or count * capacity, 1 end)
+    local settings, handle = trace_options(options, queries.closest), open(self)
     local calls = callbacks(options)
-    local settings = trace_options(options, queries.closest, calls.host)
-    local status = call(C.mlrt_trace_all_hits, open(self), list, settings, lists)
+    settings.host = calls.host
+    local status = call({self, options.pool}, C.mlrt_trace_all_hits, handle, list, settings, lists)
     keep(options, kept, arrays)
     calls.finish(status)
     arrays.count = count
@@ -692,8 +734,8 @@ end
 local function camera_struct(camera)
     local s, crop, sample = struct "camera", camera.crop or {}, camera.sample or {0.5, 0.5}
     s.projection = choose(projections, camera.projection or "pinhole", "camera.projection")
-    s.width, s.height = camera.width, camera.height
-    s.crop_x, s.crop_y, s.crop_width, s.crop_height = crop.x or 0, crop.y or 0, crop.width or 0, crop.height or 0
+    for _, name in ipairs{"width", "height"} do s[name] = whole(camera[name], WORD, "camera." .. name) end
+    for _, name in ipairs{"x", "y", "width", "height"} do s["crop_" .. name] = whole(crop[name], WORD, "camera.crop." .. name) end
     for _, name in ipairs{"eye", "direction", "d00", "dx", "dy"} do vector(s[name], camera[name], "camera." .. name) end
     s.sample_x, s.sample_y, s.t_min, s.t_max = sample[1], sample[2], camera.t_min or 0, camera.t_max or 0
     local columns = s.crop_width > 0 and s.crop_width or math.max(0, s.width - s.crop_x)
@@ -768,13 +810,14 @@ function Tree:render(camera, options)
         frame = struct "hits"
         arrays = results(frame, options, allowed, function() return columns, rows end)
     end
-    local calls = callbacks(options)
-    local settings = trace_options(options, query, calls.host)
+    local settings, handle = trace_options(options, query), open(self)
     if #lights > 0 then settings.lights, settings.light_count = list, #lights end
     for _, name in ipairs(options.tile_outputs or {}) do
         settings.outputs = bit.bor(settings.outputs, choose(tile_outputs, name, "options.tile_outputs"))
     end
-    local status = call(C.mlrt_render_tiles, open(self), view, settings, frame, calls.tile, nil)
+    local calls = callbacks(options)
+    settings.host = calls.host
+    local status = call({self, options.pool}, C.mlrt_render_tiles, handle, view, settings, frame, calls.tile, nil)
     keep(options, arrays, list)
     calls.finish(status)
     arrays.count = columns * rows
@@ -790,14 +833,16 @@ function Tree:occluded_points(points, light, options)
     options = options or {}
     local kept, s, lamp, target = {}, struct "points", ffi.new "mlrt_light", ffi.new "mlrt_hits"
     local count = points.count or count_of(points.positions, 3) or error("points.count: it is needed", 0)
-    s.count, s.row_length = count, points.row_length or 0
+    count = whole(count, SIZE, "points.count")
+    s.count, s.row_length = count, whole(points.row_length, WORD, "points.row_length")
     input(s.positions, points.positions, "float", 3, count, "points.positions", kept)
     input(s.skip, points.skip, "uint32_t", 2, count, "points.skip", kept)
     write_light(lamp, light, "light")
     local arrays = results(target, options, {"occluded"}, function() return count, 1 end)
+    local settings, handle = trace_options(options, queries.closest), open(self)
     local calls = callbacks(options)
-    local settings = trace_options(options, queries.closest, calls.host)
-    local status = call(C.mlrt_occluded_points, open(self), s, lamp, settings, target.occluded)
+    settings.host = calls.host
+    local status = call({self, options.pool}, C.mlrt_occluded_points, handle, s, lamp, settings, target.occluded)
     keep(options, kept, arrays)
     calls.finish(status)
     return arrays.occluded
@@ -805,12 +850,20 @@ end
 
 -- ---- single rays ---------------------------------------------------------------------------------------------------
 
+-- The mesh and the triangle of a hit, or of what a ray skips.
+local function number_of(hit, name)
+    local function word(field)
+        return whole(hit[field] or error(name .. "." .. field .. ": a number is needed", 0), WORD, name .. "." .. field)
+    end
+    return word "mesh", word "triangle"
+end
+
 local function ray_struct(ray)
     local s = struct "ray"
     vector(s.origin, ray.origin, "ray.origin")
     vector(s.direction, ray.direction, "ray.direction")
     s.t_min, s.t_max = ray.t_min or 0, ray.t_max or 0
-    if ray.skip then s.flags, s.skip_mesh, s.skip_triangle = 1, ray.skip.mesh, ray.skip.triangle end
+    if ray.skip then s.flags, s.skip_mesh, s.skip_triangle = 1, number_of(ray.skip, "ray.skip") end
     return s
 end
 
@@ -843,7 +896,7 @@ end
 -- @return a ray; nil if the light is on the other side
 function Tree:shadow_ray(ray, hit, light)
     local found, lamp, s, faces = struct "hit", ffi.new "mlrt_light", struct "ray", ffi.new "int32_t[1]"
-    found.mesh, found.triangle = hit.mesh, hit.triangle
+    found.mesh, found.triangle = number_of(hit, "hit")
     write_light(lamp, light, "light")
     check(C.mlrt_shadow_ray(open(self), ray_struct(ray), found, lamp, s, faces))
     if faces[0] == 0 then return nil end
@@ -859,7 +912,8 @@ end
 -- @return three numbers, in a table
 function Tree:offset_point(hit, side)
     local point = ffi.new "float[3]"
-    check(C.mlrt_offset_point(open(self), hit.mesh, hit.triangle, hit.u, hit.v, side, point))
+    local mesh, triangle = number_of(hit, "hit")
+    check(C.mlrt_offset_point(open(self), mesh, triangle, hit.u, hit.v, side, point))
     return {point[0], point[1], point[2]}
 end
 

@@ -312,6 +312,54 @@ function tests.errors()
     assert(empty:trace{origins = {0, 0, 0}, directions = {0, 0, 1}}.mesh[0] == mlrt.NONE)
 end
 
+-- What C would take for another number, or read and write behind arrays.
+function tests.numbers_that_are_none()
+    local far = {data = ffi.new "float[3]", stride = 12}
+    for _, count in ipairs{-1, 1.5, 0 / 0, 2^53 + 2, 1 / 0} do
+        fails("rays.count: .* is not a whole number", tree.trace, tree, {count = count, origins = far, directions = far})
+        fails("count: .* is not a whole number", mlrt.build, {vertices = corners, vertex_count = count})
+        fails("count: .* is not a whole number", mlrt.build, {vertices = corners, indices = {0, 1, 2}, triangle_count = count})
+        fails("points.count: .* is not", tree.occluded_points, tree, {count = count, positions = far}, {position = {0, 0, 0}})
+    end
+    for _, word in ipairs{-1, 0.5, 2^32} do
+        fails("rays_per_origin", tree.trace, tree, {origins = origins, directions = directions, rays_per_origin = word})
+        fails("row_length", tree.trace, tree, {origins = origins, directions = directions, row_length = word})
+        fails("capacity", tree.all_hits, tree, rays, {capacity = word})
+        fails("split_factor", tree.trace, tree, rays, {split_factor = word})
+        fails("camera.width", tree.render, tree, {width = word, height = 1})
+        fails("threads", mlrt.pool, word)
+        fails("ray.skip.mesh", one.trace_ray, one, {origin = {0, 0, 0}, direction = {0, 0, 1}, skip = {mesh = word, triangle = 0}})
+    end
+    fails("stride", tree.trace, tree, {count = 2, origins = {data = far.data, stride = -12}, directions = far})
+    fails("stride", tree.trace, tree, rays, {into = {t = {data = ffi.new "float[1]", stride = -4}}})
+    fails("options.mask", tree.trace, tree, rays, {mask = 2^32})
+    assert(one:trace({origins = {0.25, 0.25, 0}, directions = {0, 0, 1}}, {mask = bit.bnot(0)}).mesh[0] == 0)
+    fails("three numbers", one.trace_ray, one, {origin = ffi.new "float[2]", direction = {0, 0, 1}})
+    fails("three numbers", one.trace_ray, one, {origin = ffi.new "double[2]", direction = {0, 0, 1}})
+    fails("options.size: 9 bytes, but data has 8", mlrt.load, ("x"):rep(8), {size = 9})
+    fails("options.size", mlrt.load, ("x"):rep(8), {size = -1})
+    fails("a pointer", mlrt.load, 64, {size = 64})
+end
+
+function tests.nothing_is_closed_during_its_call()
+    local own, threads = mlrt.build(meshes), mlrt.pool(1)
+    local view = mlrt.look_at{eye = {0, 0, -30}, target = {0, 0, 0}, width = 64, height = 64}
+    fails("closed during a call", own.render, own, view, {on_tile = function() own:close() end})
+    fails("closed during a call", own.render, own, view, {pool = threads, on_tile = function() threads:close() end})
+    assert(own:render(view, {pool = threads}).count == 64 * 64)
+    threads:close()
+    own:close()
+end
+
+-- There are some hundred callbacks at a time, and a call that fails keeps none of them.
+function tests.callbacks_of_calls_that_fail()
+    for _ = 1, 2000 do
+        fails("options.isa", tree.trace, tree, rays, {isa = "none", progress = print})
+        fails("options.preset", mlrt.build, meshes, {preset = "none", progress = print})
+        fails("options.size", mlrt.load, "x", {size = 2, log = print})
+    end
+end
+
 local names = {}
 for name in pairs(arg[1] == "hash" and {} or tests) do names[#names + 1] = name end
 table.sort(names)

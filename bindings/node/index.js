@@ -84,6 +84,13 @@ function vector(value, what) {
     return list;
 }
 
+/** What an object of this library has for its calls; null without one. Any other's would be a pointer to something else. */
+function partOf(object, type, part, what) {
+    if (object === undefined || object === null) return null;
+    if (!(object instanceof type)) throw new TypeError(`${what}: a ${type.name} is needed`);
+    return object[part];
+}
+
 const STRIDE_ALL = koffi.sizeof('size_t') === 8 ? 0xFFFFFFFFFFFFFFFFn : 0xFFFFFFFF;
 const NOT_GIVEN = { data: null, stride: 0, row_stride: 0 };
 
@@ -103,6 +110,7 @@ function input(value, type, width, count, what) {
     if (typeof value === 'number') value = [value];
     if (Array.isArray(value)) {
         if (value.length !== width) throw new RangeError(`${what}: ${width} numbers are one element for all, not ${value.length}`);
+        if (type === Uint32Array) value.forEach((x) => whole(x, what));
         return { data: type.from(value), stride: STRIDE_ALL, row_stride: 0 };
     }
     const data = value instanceof type ? value : value.data;
@@ -165,7 +173,7 @@ function meshStruct({ vertices, indices, id, mask, vertexStride, vertexCount, tr
             throw new RangeError(`${what}.${name}: ${array.length} numbers are not three each`);
         }
         const step = whole(stride, `${what}.${name}, stride`) || size;
-        const count = given ?? Math.max(0, Math.floor((array.byteLength - size) / step) + 1);
+        const count = given !== undefined ? whole(given, `${what}.${name}, count`) : Math.max(0, Math.floor((array.byteLength - size) / step) + 1);
         fits(array, count - 1, step, size, `${what}.${name}`);
         return count;
     };
@@ -185,7 +193,7 @@ function treeOptions({ preset, traversalCost, intersectionCost, memoryLimit, poo
     return struct('mlrt_tree_options', {
         preset: choose(PRESETS, preset, 'options.preset'), traversal_cost: number(traversalCost, 'options.traversalCost'),
         intersection_cost: number(intersectionCost, 'options.intersectionCost'),
-        memory_limit: bytes(memoryLimit, 'options.memoryLimit'), pool: pool ? pool.handle : null,
+        memory_limit: bytes(memoryLimit, 'options.memoryLimit'), pool: partOf(pool, Pool, 'handle', 'options.pool'),
     });
 }
 
@@ -195,7 +203,7 @@ function kdtreeOptions({ preset, traversalCost, intersectionCost, memoryLimit, m
         intersection_cost: number(intersectionCost, 'options.intersectionCost'),
         memory_limit: bytes(memoryLimit, 'options.memoryLimit'), max_references: bytes(maxReferences, 'options.maxReferences'),
         max_depth: whole(maxDepth, 'options.maxDepth'), rules_off: whole(rulesOff, 'options.rulesOff'),
-        pool: pool ? pool.handle : null,
+        pool: partOf(pool, Pool, 'handle', 'options.pool'),
     });
 }
 
@@ -219,7 +227,7 @@ function traceOptions(options, query, tileOutputs = 0) {
         minimum_tile_size: whole(minimumTileSize, 'options.minimumTileSize'),
         split_factor: whole(splitFactor, 'options.splitFactor'), outputs: tileOutputs,
         shortcuts_off: whole(shortcutsOff, 'options.shortcutsOff'), mask: whole(mask, 'options.mask'),
-        pool: pool ? pool.handle : null, counters: counters ? counters.memory : null,
+        pool: partOf(pool, Pool, 'handle', 'options.pool'), counters: partOf(counters, Counters, 'memory', 'options.counters'),
         lights: lightsMemory(lights), light_count: lights?.length ?? 0,
     });
 }
@@ -267,8 +275,8 @@ function cameraStruct({ projection, width, height, crop = {}, eye, direction, d0
 }
 
 /** Columns and rows that a camera renders. */
-function frameSize({ width, height, crop = {} }) {
-    return [crop.width || Math.max(0, width - (crop.x ?? 0)), crop.height || Math.max(0, height - (crop.y ?? 0))];
+function frameSize({ width, height, crop_x, crop_y, crop_width, crop_height }) {
+    return [crop_width || Math.max(0, width - crop_x), crop_height || Math.max(0, height - crop_y)];
 }
 
 // ---- calls ---------------------------------------------------------------------------------------------------------
@@ -556,7 +564,7 @@ class Tree extends Handle {
         const { query = 'closest', lights } = options;
         const any = choose(['closest', 'any'], query, 'options.query');
         const allowed = any ? ['occluded'] : lights?.length ? [...CLOSEST, 'occluded'] : CLOSEST;
-        const picture = cameraStruct(camera), size = frameSize(camera);
+        const picture = cameraStruct(camera), size = frameSize(picture);
         const names = options.outputs ?? allowed;
         const toTiles = tile ? names.reduce((bits, name) => bits | (OUTPUT_OF_TILE[name] ?? 0), 0) : 0;
         // With tiles, a frame is written only if it is asked for by `into`.
@@ -682,9 +690,9 @@ for (const field of Object.keys(types.mlrt_counters.members).slice(2)) {
 }
 
 function cameraRays(camera) {
-    const [columns, rows] = frameSize(camera);
+    const picture = cameraStruct(camera), [columns, rows] = frameSize(picture);
     const origins = new Float32Array(3 * columns * rows), directions = new Float32Array(3 * columns * rows);
-    check(C.cameraRays(cameraStruct(camera), { data: origins, stride: 0, row_stride: 0 }, { data: directions, stride: 0, row_stride: 0 }));
+    check(C.cameraRays(picture, { data: origins, stride: 0, row_stride: 0 }, { data: directions, stride: 0, row_stride: 0 }));
     return { origins, directions, rowLength: columns };
 }
 

@@ -343,6 +343,28 @@ describe('errors', () => {
         assert.strictEqual(mlrt.statusString(3), new mlrt.MlrtError(3).message);
     });
 
+    test('nothing is taken for something else', () => {
+        const three = { vertices: new Float32Array(9), indices: Uint32Array.of(0, 1, 2) };
+        for (const count of [-1, 1.5, NaN, 2 ** 32]) {
+            assert.throws(() => mlrt.Tree.buildSync({ vertices: three.vertices, vertexCount: count }), /count: .* is not a whole number/);
+            assert.throws(() => mlrt.Tree.buildSync({ ...three, triangleCount: count }), /count: .* is not a whole number/);
+            assert.throws(() => tree.traceSync({ ...rays, skip: [count, 0] }), /rays.skip: .* is not a whole number/);
+        }
+        // Objects in place of a pool or counts would be addresses.
+        for (const pool of [tree, {}, { handle: 8 }, 'two']) {
+            assert.throws(() => tree.traceSync(rays, { pool }), /options.pool: a Pool is needed/);
+            assert.throws(() => mlrt.Tree.buildSync(three, { pool }), /options.pool: a Pool is needed/);
+            assert.throws(() => mlrt.Tree.buildKdtreeSync(three, { pool }), /options.pool: a Pool is needed/);
+        }
+        assert.throws(() => tree.traceSync(rays, { counters: { memory: new Uint8Array(1) } }), /options.counters: a Counters is needed/);
+        // A size that is another one when it is read again.
+        let reads = 0;
+        const camera = { ...mlrt.lookAt({ eye: [0, 0, -30], target: [0, 0, 0], width: 8, height: 8 }), get width() { return 8 << reads++; } };
+        assert.strictEqual(tree.renderSync(camera).t.length, 64);
+        reads = 0;
+        assert.strictEqual(mlrt.cameraRays(camera).origins.length, 3 * 64);
+    });
+
     test('an empty tree', () => {
         const empty = mlrt.Tree.buildSync([]);
         assert.deepStrictEqual([...empty.traceSync({ origins: [0, 0, 0], directions: Float32Array.of(0, 0, 1) }).mesh], [mlrt.NONE]);
