@@ -92,25 +92,41 @@ public record Array(MemorySegment data, long stride, long rowStride) {
         return stride == 0 ? data.byteSize() / size : -1;
     }
 
+    /** The bytes up to the end of an element of `size` bytes that begins `steps` steps after the first. */
+    private static long reach(long steps, long step, long size) {
+        try {
+            return Math.addExact(Math.multiplyExact(steps, step), size);
+        } catch (ArithmeticException more) {
+            return Long.MAX_VALUE;
+        }
+    }
+
+    private void checkStrides(String name) {
+        if (stride < STRIDE_ALL || rowStride < 0) throw new IllegalArgumentException(name + ": a stride is below 0");
+    }
+
     void checkInput(long count, int size, String name) {
+        checkStrides(name);
         if (stride == 0) {
-            if (data.byteSize() != count * size)
-                throw new IllegalArgumentException(name + ": " + data.byteSize() + " bytes, but " + count * size + " are needed");
+            long needed = count == 0 ? 0 : reach(count - 1, size, size);
+            if (data.byteSize() != needed)
+                throw new IllegalArgumentException(name + ": " + data.byteSize() + " bytes, but " + needed + " are needed");
         } else {
-            checkRoom(stride == STRIDE_ALL ? size : count == 0 ? 0 : (count - 1) * stride + size, name);
+            checkRoom(stride == STRIDE_ALL ? size : count == 0 ? 0 : reach(count - 1, stride, size), name);
         }
     }
 
     void checkOutput(long columns, long rows, int size, String name) {
+        checkStrides(name);
         if (!data.isNative() || data.isReadOnly())
             throw new IllegalArgumentException(name + ": results go to native memory that can be written");
+        if (stride == STRIDE_ALL) throw new IllegalArgumentException(name + ": a stride is below 0");
         long step = stride == 0 ? size : stride;
-        long rowStep = rowStride == 0 ? step * columns : rowStride;
-        checkRoom(columns == 0 || rows == 0 ? 0 : (rows - 1) * rowStep + (columns - 1) * step + size, name);
+        long rowStep = rowStride == 0 ? reach(columns, step, 0) : rowStride;
+        checkRoom(columns == 0 || rows == 0 ? 0 : reach(rows - 1, rowStep, reach(columns - 1, step, size)), name);
     }
 
     private void checkRoom(long needed, String name) {
-        if (stride < STRIDE_ALL || rowStride < 0) throw new IllegalArgumentException(name + ": a stride is below 0");
         if (data.byteSize() < needed)
             throw new IndexOutOfBoundsException(name + ": " + data.byteSize() + " bytes are too few, " + needed + " are needed");
     }

@@ -55,8 +55,15 @@ final class Call implements AutoCloseable {
         return object;
     }
 
+    /** Of memory that was freed, C would get the address all the same. */
+    private static void checkAlive(MemorySegment segment) {
+        if (!segment.scope().isAlive() || !segment.isAccessibleBy(Thread.currentThread()))
+            throw new IllegalStateException("an array's memory was freed, or is another thread's");
+    }
+
     /** Native memory as it is; a copy of a heap array. */
     MemorySegment toNative(MemorySegment segment) {
+        checkAlive(segment);
         if (!segment.isNative()) return arena.allocate(segment.byteSize(), 8).copyFrom(segment);
         kept.add(segment);
         return segment;
@@ -74,6 +81,7 @@ final class Call implements AutoCloseable {
     void output(Struct struct, String field, Array array, long columns, long rows, int size) {
         if (array == null) return;
         array.checkOutput(columns, rows, size, field);
+        checkAlive(array.data());
         kept.add(array.data());
         struct.set(field, array.data());
         long at = struct.type().offsets().get(field);

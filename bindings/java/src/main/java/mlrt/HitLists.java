@@ -30,13 +30,17 @@ public record HitLists(int capacity, Array t, Array u, Array v, Array mesh, Arra
      */
     public static HitLists allocate(long rays, int capacity, Arena arena) {
         Array[] arrays = new Array[9];
+        if (rays < 0 || capacity < 0 || Math.multiplyHigh(4 * (long) capacity, rays) != 0)
+            throw new IllegalArgumentException("lists: no room for " + rays + " rays of " + capacity + " hits");
         for (int i = 0; i < 7 && capacity > 0; i++) arrays[i] = Array.of(arena.allocate((i < 6 ? 4 : 1) * rays * capacity, 64));
         for (int i = 7; i < 9; i++) arrays[i] = Array.of(arena.allocate(4 * rays, 64));
         return new HitLists(capacity, arrays[0], arrays[1], arrays[2], arrays[3], arrays[4], arrays[5], arrays[6], arrays[7], arrays[8]);
     }
 
     Native.Struct toStruct(Call call, long rays) {
+        if (capacity < 0) throw new IllegalArgumentException("capacity: " + capacity + " is below 0");
         var struct = call.struct(Native.HIT_LISTS).set("capacity", capacity);
+        if (capacity > 0 && rays > Long.MAX_VALUE / capacity) throw new IllegalArgumentException("capacity: too much for " + rays + " rays");
         long hits = rays * capacity;
         call.output(struct, "t", t, hits, 1, 4);
         call.output(struct, "u", u, hits, 1, 4);

@@ -12,17 +12,23 @@ import java.lang.foreign.ValueLayout;
  * a call may be closed before the call ends.
  */
 public final class Tree extends Handle {
-    private final Object data; // a tree that was loaded in place needs it
+    private final MemorySegment data; // a tree that was loaded in place needs it
 
-    private Tree(MemorySegment tree, Object data) {
+    private Tree(MemorySegment tree, MemorySegment data) {
         super(tree, Native.DESTROY_TREE, null);
         this.data = data;
+    }
+
+    @Override
+    MemorySegment acquire() {
+        if (data != null && !data.scope().isAlive()) throw new IllegalStateException("the memory that the Tree was loaded from was freed");
+        return super.acquire();
     }
 
     // ---- making trees ------------------------------------------------------------------------------------------------
 
     /** What the out parameter of a builder holds; frees it if a callback threw. */
-    private static Tree made(Call call, int status, MemorySegment out, Object data) throws Throwable {
+    private static Tree made(Call call, int status, MemorySegment out, MemorySegment data) throws Throwable {
         var tree = out.get(P, 0);
         try {
             call.check(status);

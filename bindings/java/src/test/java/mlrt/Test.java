@@ -394,6 +394,32 @@ final class Test {
         fails(IllegalArgumentException.class, () -> Tree.build(new Mesh(new float[4])));
         fails(IllegalArgumentException.class, () -> Tree.build(new Mesh(new float[9], new int[4])));
 
+        // Sizes that are 0, or little, modulo 2^64.
+        var empty = Array.of(new float[0]);
+        fails(IllegalArgumentException.class, () -> tree.occluded(new Rays(empty, empty).count(1L << 62), new TraceOptions()));
+        var two = Array.strided(MemorySegment.ofArray(new float[6]), 1 << 30);
+        fails(IndexOutOfBoundsException.class, () -> tree.trace(new Rays(two, two).count((1L << 34) + 1), new TraceOptions(),
+            new Hits(null, null, null, null, null, null, null)));
+        fails(IllegalArgumentException.class, () -> tree.allHits(rays(), -1, new TraceOptions()));
+        fails(IllegalArgumentException.class, () -> HitLists.allocate(1L << 40, 1 << 22, Arena.global()));
+        try (var arena = Arena.ofConfined()) {
+            var one = Array.of(arena.allocate(4 * COUNT, 64));
+            fails(IllegalArgumentException.class, () -> tree.allHits(rays(), new TraceOptions(), new HitLists(-1, one, null, null, null, null, null, null, null, null)));
+        }
+
+        // Memory that was freed.
+        var freed = Arena.ofShared();
+        var array = Array.of(freed.allocate(12 * COUNT, 64));
+        var saved = tree.save(freed);
+        var loaded = Tree.load(saved, new LoadOptions().inPlace(true));
+        freed.close();
+        fails(IllegalStateException.class, () -> tree.trace(new Rays(array, Array.of(DIRECTIONS)), new TraceOptions()));
+        fails(IllegalStateException.class, () -> tree.trace(rays(), new TraceOptions(), new Hits(array, null, null, null, null, null, null)));
+        fails(IllegalStateException.class, () -> Tree.build(Mesh.of(array, null, 0)));
+        fails(IllegalStateException.class, () -> Tree.load(saved, new LoadOptions()));
+        fails(IllegalStateException.class, () -> loaded.trace(ORIGINS, DIRECTIONS));
+        loaded.close();
+
         fails(IllegalStateException.class, () -> tree.render(camera(), new TraceOptions().outputs(Output.T), null, tile -> {
             tree.close(); // which the render uses
             return true;
