@@ -259,6 +259,19 @@ local function is_array(value)
     return type(value) == "cdata" and tostring(ffi.typeof(value)):find("[", 1, true) ~= nil
 end
 
+-- Whether it is an FFI array or a pointer, but not NULL. ffi.cast would take numbers and strings for addresses too.
+local function is_memory(value)
+    return value ~= nil and type(value) == "cdata" and tostring(ffi.typeof(value)):find "[%[%*]" ~= nil
+end
+
+-- LuaJIT's arrays have less than 2 GB. Of the length of a longer one ffi.new may take the low 32 bits.
+local function new_array(ctype, length, name)
+    if length * ffi.sizeof(ctype) >= 2^31 then
+        error(name .. ": " .. length .. " elements are more than an FFI array can have", 0)
+    end
+    return ffi.new(ctype .. "[?]", length)
+end
+
 local WORD, SIZE = 2^32 - 1, 2^53 -- the greatest of a uint32_t, and of a size_t that is exact
 
 -- A whole number from 0 to `most`: C would take another one for it. nil is `default`.
@@ -277,14 +290,34 @@ local function bits(value, name)
     return whole(value, WORD, name)
 end
 
+-- The numbers of a table in an FFI array. ffi.new would end at the first nil, and take other words for what is none.
+local function copied(values, ctype, name)
+    local array = new_array(ctype, #values, name)
+    for place = 1, #values do
+        local value = values[place]
+        local number = type(value) ~= "string" and tonumber(value)
+        if not number then error(name .. ": a number is needed, not " .. tostring(value), 0) end
+        if name == "rays.mask" then
+            number = bits(number, name)
+        elseif ctype ~= "float" then
+            number = whole(number, WORD, name)
+        end
+        array[place - 1] = number
+    end
+    return array
+end
+
 local function vector(target, values, name)
-    if values == nil then return end
-    if type(values) == "table" and #values ~= 3 then error(name .. ": three numbers are needed, not " .. #values, 0) end
-    if is_array(values) and ffi.sizeof(values) < (pcall(pointers.double, values) and 24 or 12) then
+    if type(values) == "table" then
+        if #values ~= 3 then error(name .. ": three numbers are needed, not " .. #values, 0) end
+        values = copied(values, "float", name)
+    end
+    local size = values ~= nil and (pcall(pointers.float, values) and 4 or pcall(pointers.double, values) and 8)
+    if not size then error(name .. ": three numbers are needed, in a table, float[3] or double[3]", 0) end
+    if is_array(values) and ffi.sizeof(values) < 3 * size then
         error(name .. ": three numbers are needed, not " .. ffi.sizeof(values) .. " bytes", 0)
     end
-    local first = type(values) == "table" and 1 or 0
-    for k = 0, 2 do target[k] = values[first + k] end
+    for k = 0, 2 do target[k] = values[k] end
 end
 
 local All = {}
@@ -293,6 +326,7 @@ local All = {}
 -- @param element its numbers, in a table: `mlrt.all{0, 0, 1}`
 -- @return a value for any array that goes in
 function mlrt.all(element)
+    if type(element) ~= "table" then error("mlrt.all: a table of numbers is needed, not " .. tostring(element), 0) end
     return setmetatable({element = element}, All)
 end
 
@@ -317,12 +351,13 @@ local function input(field, value, ctype, width, count, name, kept)
     if type(value) == "number" then value = mlrt.all{value} end
     if type(value) == "table" and getmetatable(value) == All then
         if #value.element ~= width then error(name .. ": one element for all has " .. width .. " numbers, not " .. #value.element, 0) end
-        value = {data = ffi.new(ctype .. "[?]", width, value.element), stride = STRIDE_ALL}
+        value = {data = copied(value.element, ctype, name), stride = STRIDE_ALL}
     elseif type(value) == "table" and value.data ~= nil then
         local stride = whole(value.stride, SIZE, name .. ", stride")
+        if not is_memory(value.data) then error(name .. ": data: an FFI array or a pointer is needed", 0) end
         check_room(value.data, count == 0 and 0 or (count - 1) * (stride > 0 and stride or 4 * width) + 4 * width, name)
     else
-        if type(value) == "table" then value = ffi.new(ctype .. "[?]", #value, value) end
+        if type(value) == "table" then value = copied(value, ctype, name) end
         if not is_array(value) or not pcall(pointers[ctype], value) then error(name .. ": " .. ctype .. "[], a table, a number or mlrt.all is needed", 0) end
         if ffi.sizeof(value) ~= 4 * width * count then
             error(name .. ": " .. ffi.sizeof(value) / 4 .. " numbers, but " .. width * count .. " are needed", 0)
@@ -338,6 +373,10 @@ local result_types = {
     crossing = "uint8_t", total = "uint32_t", crossing_total = "uint32_t",
 }
 local closest = {"t", "u", "v", "mesh", "triangle", "facing"}
+local writable = {
+    float = ffi.typeof "float *", uint32_t = ffi.typeof "uint32_t *", int32_t = ffi.typeof "int32_t *",
+    uint8_t = ffi.typeof "uint8_t *",
+}
 
 -- Makes arrays for results, or takes those of `options.into`, and writes them to the fields of a struct. `size(name)`
 -- gives columns and rows.
@@ -350,14 +389,17 @@ local function results(target, options, allowed, size)
             local columns, rows = size(name)
             local ctype, value = result_types[name], into[name]
             local bytes = ffi.sizeof(ctype)
-            if value == nil then value = ffi.new(ctype .. "[?]", columns * rows) end
+            if value == nil then value = new_array(ctype, columns * rows, name) end
             local given = type(value) == "table" and value or {data = value}
             local stride = whole(given.stride, SIZE, "into." .. name .. ", stride")
             local row_stride = whole(given.row_stride, SIZE, "into." .. name .. ", row_stride")
             if stride == 0 then stride = bytes end
             if row_stride == 0 then row_stride = stride * columns end
-            if type(value) == "cdata" and not (is_array(value) and pcall(pointers[ctype], value)) then
+            if type(value) ~= "table" and not (is_array(value) and pcall(writable[ctype], value)) then
                 error("into." .. name .. ": " .. ctype .. "[] is needed", 0)
+            end
+            if not is_memory(given.data) then
+                error("into." .. name .. ": data: an FFI array or a pointer is needed", 0)
             end
             check_room(given.data, columns * rows == 0 and 0 or (rows - 1) * row_stride + (columns - 1) * stride + bytes, "into." .. name)
             target[name].data, target[name].stride = ffi.cast("void *", given.data), given.stride or 0
@@ -376,11 +418,14 @@ end
 -- ---- calls ---------------------------------------------------------------------------------------------------------
 
 -- A call with callbacks, which may not close what it uses. LuaJIT must not compile it, since they come back into Lua.
-local function call(used, f, ...)
+local function call(calls, used, f, ...)
     for _, object in pairs(used) do object.calls = object.calls + 1 end
     local ok, status = pcall(f, ...)
     for _, object in pairs(used) do object.calls = object.calls - 1 end
-    if not ok then error(status, 0) end
+    if not ok then
+        calls.free() -- as of a tree that is none
+        error(status, 0)
+    end
     return status
 end
 jit.off(call)
@@ -403,8 +448,15 @@ local function callbacks(options)
             return (not ok or answer == false) and stop or 0
         end
     end
+    function self.free()
+        for _, callback in ipairs(self.made) do callback:free() end
+    end
     local function make(ctype, f)
-        local callback = ffi.cast(ctype, f)
+        local made, callback = pcall(ffi.cast, ctype, f)
+        if not made then -- there are too many
+            self.free()
+            error(callback, 0)
+        end
         self.made[#self.made + 1] = callback
         return callback
     end
@@ -418,7 +470,7 @@ local function callbacks(options)
     end
     if options.on_tile then self.tile = make("mlrt_tile_callback", guarded(options.on_tile, 1)) end
     function self.finish(status)
-        for _, callback in ipairs(self.made) do callback:free() end
+        self.free()
         if self.failure then error(self.failure[1], 0) end
         check(status)
     end
@@ -437,7 +489,11 @@ local function trace_options(options, query)
     end
     s.shortcuts_off, s.mask = bits(options.shortcuts_off, "options.shortcuts_off"), bits(options.mask, "options.mask")
     s.pool = options.pool and open(options.pool) or nil
-    s.counters = options.counters and options.counters.struct or nil
+    local counters = options.counters
+    if counters and not ffi.istype("mlrt_counters", counters.struct) then
+        error("options.counters: mlrt.counters() is needed", 0)
+    end
+    s.counters = counters and counters.struct or nil
     return s
 end
 
@@ -485,7 +541,7 @@ local function triples(value, stride, count, ctypes, name)
     local ctype
     if type(value) == "table" then
         ctype = ctypes[1]
-        value = ffi.new(ctype .. "[?]", #value, value)
+        value = copied(value, ctype, name)
     end
     for _, candidate in ipairs(ctypes) do
         if type(value) == "cdata" and not ctype and pcall(pointers[candidate], value) then ctype = candidate end
@@ -546,7 +602,7 @@ local function build(builder, make_options, meshes, options)
     local out, settings = ffi.new "mlrt_tree *[1]", make_options(options)
     local calls = callbacks(options)
     settings.host = calls.host
-    local status = call({options.pool}, builder, list, count, settings, out)
+    local status = call(calls, {options.pool}, builder, list, count, settings, out)
     keep(kept, options)
     local tree = out[0] ~= nil and new_tree(out[0]) or nil
     calls.finish(status)
@@ -580,17 +636,19 @@ end
 function mlrt.load(data, options)
     options = options or {}
     local s, out = struct "load_options", ffi.new "mlrt_tree *[1]"
-    s.flags, s.geometry_hash = options.in_place and 1 or 0, options.geometry_hash or 0
+    local hash = options.geometry_hash
+    s.flags = options.in_place and 1 or 0
+    s.geometry_hash = type(hash) == "cdata" and hash or whole(hash, SIZE, "options.geometry_hash")
     s.memory_limit = whole(options.memory_limit, SIZE, "options.memory_limit")
     local there = type(data) == "string" and #data or is_array(data) and ffi.sizeof(data)
     local size = options.size and whole(options.size, SIZE, "options.size") or there
-    if not size or not there and type(data) ~= "cdata" then
+    if not size or not there and not is_memory(data) then
         error("data: a string, an FFI array, or a pointer and options.size are needed", 0)
     end
     if there and size > there then error("options.size: " .. size .. " bytes, but data has " .. there, 0) end
     local calls = callbacks{log = options.log}
     s.host = calls.host
-    local status = call({}, C.mlrt_load_tree, ffi.cast("const void *", data), size, s, out)
+    local status = call(calls, {}, C.mlrt_load_tree, ffi.cast("const void *", data), size, s, out)
     local tree = out[0] ~= nil and new_tree(out[0], options.in_place and data or nil) or nil
     keep(data)
     calls.finish(status)
@@ -602,7 +660,7 @@ end
 function Tree:save()
     local size = ffi.new "size_t[1]"
     check(C.mlrt_save_tree(open(self), nil, 0, size))
-    local bytes = ffi.new("uint8_t[?]", size[0])
+    local bytes = new_array("uint8_t", tonumber(size[0]), "save")
     check(C.mlrt_save_tree(open(self), bytes, size[0], size))
     return ffi.string(bytes, size[0])
 end
@@ -680,7 +738,7 @@ local function trace(tree, rays, options, query, allowed)
     local settings, handle = trace_options(options, query), open(tree)
     local calls = callbacks(options)
     settings.host = calls.host
-    local status = call({tree, options.pool}, C.mlrt_trace_packet, handle, list, settings, hits)
+    local status = call(calls, {tree, options.pool}, C.mlrt_trace_packet, handle, list, settings, hits)
     keep(tree, options, kept, arrays)
     calls.finish(status)
     arrays.count = count
@@ -722,7 +780,7 @@ function Tree:all_hits(rays, options)
     local settings, handle = trace_options(options, queries.closest), open(self)
     local calls = callbacks(options)
     settings.host = calls.host
-    local status = call({self, options.pool}, C.mlrt_trace_all_hits, handle, list, settings, lists)
+    local status = call(calls, {self, options.pool}, C.mlrt_trace_all_hits, handle, list, settings, lists)
     keep(options, kept, arrays)
     calls.finish(status)
     arrays.count = count
@@ -736,7 +794,9 @@ local function camera_struct(camera)
     s.projection = choose(projections, camera.projection or "pinhole", "camera.projection")
     for _, name in ipairs{"width", "height"} do s[name] = whole(camera[name], WORD, "camera." .. name) end
     for _, name in ipairs{"x", "y", "width", "height"} do s["crop_" .. name] = whole(crop[name], WORD, "camera.crop." .. name) end
-    for _, name in ipairs{"eye", "direction", "d00", "dx", "dy"} do vector(s[name], camera[name], "camera." .. name) end
+    for _, name in ipairs{"eye", "direction", "d00", "dx", "dy"} do
+        vector(s[name], camera[name] or {0, 0, 0}, "camera." .. name)
+    end
     s.sample_x, s.sample_y, s.t_min, s.t_max = sample[1], sample[2], camera.t_min or 0, camera.t_max or 0
     local columns = s.crop_width > 0 and s.crop_width or math.max(0, s.width - s.crop_x)
     return s, columns, s.crop_height > 0 and s.crop_height or math.max(0, s.height - s.crop_y)
@@ -779,7 +839,7 @@ function mlrt.camera_rays(camera)
     local rays = {row_length = columns}
     local arrays = {}
     for _, name in ipairs{"origins", "directions"} do
-        rays[name] = ffi.new("float[?]", 3 * columns * rows)
+        rays[name] = new_array("float", 3 * columns * rows, name)
         arrays[name] = ffi.new "mlrt_array"
         arrays[name].data = rays[name]
     end
@@ -817,7 +877,8 @@ function Tree:render(camera, options)
     end
     local calls = callbacks(options)
     settings.host = calls.host
-    local status = call({self, options.pool}, C.mlrt_render_tiles, handle, view, settings, frame, calls.tile, nil)
+    local used = {self, options.pool}
+    local status = call(calls, used, C.mlrt_render_tiles, handle, view, settings, frame, calls.tile, nil)
     keep(options, arrays, list)
     calls.finish(status)
     arrays.count = columns * rows
@@ -842,7 +903,7 @@ function Tree:occluded_points(points, light, options)
     local settings, handle = trace_options(options, queries.closest), open(self)
     local calls = callbacks(options)
     settings.host = calls.host
-    local status = call({self, options.pool}, C.mlrt_occluded_points, handle, s, lamp, settings, target.occluded)
+    local status = call(calls, {self, options.pool}, C.mlrt_occluded_points, handle, s, lamp, settings, target.occluded)
     keep(options, kept, arrays)
     calls.finish(status)
     return arrays.occluded
@@ -913,6 +974,7 @@ end
 function Tree:offset_point(hit, side)
     local point = ffi.new "float[3]"
     local mesh, triangle = number_of(hit, "hit")
+    if side ~= 1 and side ~= -1 then error("side: " .. tostring(side) .. " is not 1 or -1", 0) end
     check(C.mlrt_offset_point(open(self), mesh, triangle, hit.u, hit.v, side, point))
     return {point[0], point[1], point[2]}
 end

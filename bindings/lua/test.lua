@@ -357,7 +357,71 @@ function tests.callbacks_of_calls_that_fail()
         fails("options.isa", tree.trace, tree, rays, {isa = "none", progress = print})
         fails("options.preset", mlrt.build, meshes, {preset = "none", progress = print})
         fails("options.size", mlrt.load, "x", {size = 2, log = print})
+        fails("mlrt_pool", tree.trace, pool, rays, {progress = print})
     end
+    local others, free = {}, true
+    while free do
+        free, others[#others + 1] = pcall(ffi.cast, "mlrt_log_callback", function() end)
+    end
+    table.remove(others) -- the error
+    table.remove(others):free()
+    for _ = 1, 2 do fails("too many callbacks", tree.trace, tree, rays, {progress = print, log = print}) end
+    tree:trace(rays, {progress = function() end})
+    for _, other in ipairs(others) do other:free() end
+end
+
+-- ffi.cast takes any number, and any string, for an address.
+function tests.memory_that_is_none()
+    for _, data in ipairs{8, 16LL, "four", {1, 2, 3}, true} do
+        local strided = {data = data, stride = 12}
+        fails("rays.origins: data: an FFI", one.trace, one, {origins = strided, directions = {0, 0, 1}, count = 1})
+        fails("into.t: data: an FFI array", one.trace, one, rays, {into = {t = {data = data}}})
+    end
+    local text = ("x"):rep(4 * COUNT)
+    for _, into in ipairs{8, text, true, ffi.new "const float[1000]", ffi.new "double[1000]"} do
+        fails("into.t: float%[%] is needed", tree.trace, tree, rays, {into = {t = into}})
+    end
+    assert(text == ("x"):rep(4 * COUNT))
+    fails("into.t: data", tree.trace, tree, rays, {outputs = {"u"}, into = {t = {data = ffi.cast("float *", 0)}}})
+    fails("into.t: data", tree.trace, tree, rays, {outputs = {"u"}, into = {t = {0, 0, 0}}})
+    fails("a pointer and options.size", mlrt.load, 64LL, {size = 64})
+    fails("a pointer and options.size", mlrt.load, ffi.new "struct {char bytes[8];}", {size = 64})
+    fails("mlrt.counters%(%) is needed", tree.trace, tree, rays, {counters = {}})
+end
+
+function tests.tables_are_copied_exactly()
+    for _, index in ipairs{1.5, -1, 2^32 + 1, 0 / 0} do
+        local skipping = {origins = {0, 0, 0}, directions = {0, 0, 1}, skip = {index, 0}}
+        fails("indices: .* is not a whole number", mlrt.build, {vertices = corners, indices = {0, index, 2}})
+        fails("rays.skip: .* is not a whole number", one.trace, one, skipping)
+    end
+    for _, none in ipairs{"1", true} do
+        fails("rays.origins: a number is needed", one.trace, one, {origins = {0, none, 0}, directions = {0, 0, 1}})
+        local all = mlrt.all{0, none, 0}
+        fails("rays.origins: a number is needed", one.trace, one, {origins = all, directions = {0, 0, 1}})
+        fails("ray.origin: a number is needed", one.trace_ray, one, {origin = {0, none, 0}, direction = {0, 0, 1}})
+    end
+    local hole = {0, 0, nil, 0, 0, 0}
+    fails("a number is needed, not nil", one.trace, one, {origins = hole, directions = {0, 0, 1, 0, 0, 1}})
+    assert(one:trace{origins = {[0] = 9, 0.25, 0.25, 0}, directions = {0, 0, 1}}.mesh[0] == 0)
+    assert(one:trace{origins = {0.25, 0.25, 0}, directions = {0, 0, 1}, mask = {bit.bnot(0)}}.mesh[0] == 0)
+    fails("mlrt.all: a table", mlrt.all, 3)
+end
+
+function tests.vectors_that_are_needed()
+    fails("ray.origin: three numbers", one.trace_ray, one, {direction = {0, 0, 1}})
+    fails("ray.direction: three numbers", one.trace_ray, one, {origin = {0, 0, 0}})
+    fails("ray.origin: three numbers", one.trace_ray, one, {origin = ffi.new "int64_t[2]", direction = {0, 0, 1}})
+    fails("light.position: three numbers", one.occluded_points, one, {positions = {0, 0, 0}}, {})
+    for _, side in ipairs{0.5, 1.5, 2^32 + 1, 0 / 0, "x"} do
+        fails("side: .* is not 1 or %-1", one.offset_point, one, {mesh = 0, triangle = 0, u = 0, v = 0}, side)
+    end
+    for _, wrong in ipairs{-1, 0.5, 0 / 0, 2^64, true} do
+        fails("geometry_hash", mlrt.load, tree:save(), {geometry_hash = wrong})
+    end
+    local wide = {width = 65536, height = 65536}
+    fails("more than an FFI array can have", mlrt.camera_rays, wide)
+    fails("more than an FFI array can have", one.render, one, wide)
 end
 
 local names = {}
