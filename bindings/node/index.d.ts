@@ -305,7 +305,10 @@ export interface RenderOptions extends TraceOptions, ResultOptions<Frame> {
 }
 
 export interface TileOptions {
-    /** Receives each tile once. Return false to end the render. No frame is written then, unless `into` is given. */
+    /**
+     * Receives each tile once. Return false to end the render. No frame is written then, unless `into` is given. Until
+     * the promise is settled, calls that block throw if they have the same pool, and process.exit does not return.
+     */
     onTile?: (tile: Tile) => boolean | void;
 }
 

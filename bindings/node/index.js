@@ -65,21 +65,29 @@ function whole(value, what, fallback = 0) {
     return value;
 }
 
+
 function number(value, what, fallback = 0) {
     if (value === undefined) return fallback;
     if (typeof value !== 'number') throw new TypeError(`${what}: a number is needed`);
     return value;
 }
 
-function bytes(value, what) {
+/** The mesh and the triangle of a hit, or of what a ray skips. They have no default. */
+function idsOf(hit, what) {
+    return ['mesh', 'triangle'].map((name) => whole(hit[name] ?? NaN, `${what}.${name}`));
+}
+
+/** A uint64_t. Koffi takes the low 64 bits of a longer one, and ends the process where it is of another type. */
+function long(value, what) {
     if (value === undefined) return 0;
-    if (typeof value === 'bigint' ? value < 0n : !Number.isSafeInteger(value) || value < 0) throw new RangeError(`${what}: ${value} is not a number of bytes`);
+    if (typeof value === 'bigint' ? value !== BigInt.asUintN(64, value) : !Number.isSafeInteger(value) || value < 0) {
+        throw new RangeError(`${what}: ${String(value)} is not a whole number, 0..2^64 - 1`);
+    }
     return value;
 }
 
 function vector(value, what) {
-    if (value === undefined) return [0, 0, 0];
-    const list = Array.from(value);
+    const list = Array.from(value ?? []);
     if (list.length !== 3 || !list.every((x) => typeof x === 'number')) throw new TypeError(`${what}: three numbers are needed`);
     return list;
 }
@@ -110,7 +118,10 @@ function input(value, type, width, count, what) {
     if (typeof value === 'number') value = [value];
     if (Array.isArray(value)) {
         if (value.length !== width) throw new RangeError(`${what}: ${width} numbers are one element for all, not ${value.length}`);
-        if (type === Uint32Array) value.forEach((x) => whole(x, what));
+        for (const x of value) { // undefined, too, where nothing is
+            if (typeof x !== 'number') throw new TypeError(`${what}: a number is needed, not ${String(x)}`);
+            if (type === Uint32Array) whole(x, what);
+        }
         return { data: type.from(value), stride: STRIDE_ALL, row_stride: 0 };
     }
     const data = value instanceof type ? value : value.data;
@@ -120,8 +131,9 @@ function input(value, type, width, count, what) {
         if (data.length !== count * width) throw new RangeError(`${what}: ${data.length} numbers, but ${count * width} are needed`);
         return { data, stride: 0, row_stride: 0 };
     }
-    const stride = value.stride === 'all' ? STRIDE_ALL : whole(value.stride, `${what}.stride`, size);
-    fits(data, value.stride === 'all' ? 0 : count - 1, stride === 0 ? size : Number(stride), size, what);
+    const given = value.stride; // which may be another one when it is read again
+    const stride = given === 'all' ? STRIDE_ALL : whole(given, `${what}.stride`, size);
+    fits(data, given === 'all' ? 0 : count - 1, stride === 0 ? size : Number(stride), size, what);
     return { data, stride, row_stride: 0 };
 }
 
@@ -193,7 +205,7 @@ function treeOptions({ preset, traversalCost, intersectionCost, memoryLimit, poo
     return struct('mlrt_tree_options', {
         preset: choose(PRESETS, preset, 'options.preset'), traversal_cost: number(traversalCost, 'options.traversalCost'),
         intersection_cost: number(intersectionCost, 'options.intersectionCost'),
-        memory_limit: bytes(memoryLimit, 'options.memoryLimit'), pool: partOf(pool, Pool, 'handle', 'options.pool'),
+        memory_limit: long(memoryLimit, 'options.memoryLimit'), pool: partOf(pool, Pool, 'handle', 'options.pool'),
     });
 }
 
@@ -201,7 +213,8 @@ function kdtreeOptions({ preset, traversalCost, intersectionCost, memoryLimit, m
     return struct('mlrt_kdtree_options', {
         preset: choose(KDTREE_PRESETS, preset, 'options.preset'), traversal_cost: number(traversalCost, 'options.traversalCost'),
         intersection_cost: number(intersectionCost, 'options.intersectionCost'),
-        memory_limit: bytes(memoryLimit, 'options.memoryLimit'), max_references: bytes(maxReferences, 'options.maxReferences'),
+        memory_limit: long(memoryLimit, 'options.memoryLimit'),
+        max_references: long(maxReferences, 'options.maxReferences'),
         max_depth: whole(maxDepth, 'options.maxDepth'), rules_off: whole(rulesOff, 'options.rulesOff'),
         pool: partOf(pool, Pool, 'handle', 'options.pool'),
     });
@@ -256,14 +269,19 @@ function raysStruct(given) {
 }
 
 function rayStruct({ origin, direction, tMin, tMax, skip }) {
+    const ids = skip ? idsOf(skip, 'ray.skip') : [0, 0];
     return struct('mlrt_ray', {
         origin: vector(origin, 'ray.origin'), direction: vector(direction, 'ray.direction'), flags: skip ? 1 : 0,
         t_min: number(tMin, 'ray.tMin'), t_max: number(tMax, 'ray.tMax'),
-        skip_mesh: whole(skip?.mesh, 'ray.skip.mesh'), skip_triangle: whole(skip?.triangle, 'ray.skip.triangle'),
+        skip_mesh: ids[0], skip_triangle: ids[1],
     });
 }
 
-function cameraStruct({ projection, width, height, crop = {}, eye, direction, d00, dx, dy, sample = [0.5, 0.5], tMin, tMax }) {
+const ZERO = [0, 0, 0];
+
+function cameraStruct(camera) {
+    const { projection, width, height, crop = {}, sample = [0.5, 0.5], tMin, tMax } = camera;
+    const { eye = ZERO, direction = ZERO, d00 = ZERO, dx = ZERO, dy = ZERO } = camera;
     return struct('mlrt_camera', {
         projection: choose(PROJECTIONS, projection, 'camera.projection'), width: whole(width, 'camera.width'),
         height: whole(height, 'camera.height'), crop_x: whole(crop.x, 'camera.crop.x'), crop_y: whole(crop.y, 'camera.crop.y'),
@@ -316,10 +334,16 @@ function finish(status, watch, { onLog }) {
     if (status !== 0) throw new MlrtError(status, watch.message);
 }
 
+/** How many renders with onTile, which need this thread to end, use a pool. */
+const renders = new WeakMap();
+
 /** Calls a function of native.c, which blocks. */
 function callSync(native, args, options) {
     for (const name of ['signal', 'onProgress', 'onTile']) {
         if (options[name]) throw new TypeError(`options.${name}: only calls that return a promise have it, since this one blocks`);
+    }
+    if (options.pool && renders.get(options.pool)) {
+        throw new Error('options.pool: a render with onTile uses it, which needs this thread: await its promise first');
     }
     const watch = new Watch();
     finish(native(...args, watch.memory), watch, options);
@@ -343,15 +367,18 @@ async function callAsync(native, args, options, used = []) {
     const timer = onProgress && setInterval(() => report(watch.progress), PROGRESS_MS);
     signal?.addEventListener('abort', cancel, { once: true });
     used.forEach((object) => object.hold(1));
+    const rendering = options.onTile && options.pool;
+    if (rendering) renders.set(rendering, (renders.get(rendering) ?? 0) + 1);
     try {
         const status = await promisify(native.async)(...args, watch.memory);
-        if (status === STATUS.CANCELLED && thrown) throw thrown.error;
+        if (thrown) throw thrown.error; // also of a call that had ended before it could be cancelled
         if (status === STATUS.CANCELLED && signal?.aborted) throw signal.reason;
         finish(status, watch, options);
     } finally {
         clearInterval(timer);
         signal?.removeEventListener('abort', cancel);
         used.forEach((object) => object.hold(-1));
+        if (rendering) renders.set(rendering, renders.get(rendering) - 1);
         args.length = 0; // the arrays in it had to be reachable until now
     }
     if (onProgress) onProgress(1);
@@ -419,6 +446,11 @@ class Tree extends Handle {
         super(C.destroyTree, handle, kept);
     }
 
+    /** Its handle; throws where `this` is something else that has one. */
+    get #tree() {
+        return this.handle;
+    }
+
     static #builds(meshes, options) {
         const list = meshStructs(meshes), out = [null];
         return { native: C.buildTree, args: [list, list.length, treeOptions(options), out], out };
@@ -429,22 +461,33 @@ class Tree extends Handle {
         return { native: C.buildKdtree, args: [list, list.length, kdtreeOptions(options), out], out };
     }
 
-    static #loads(data, { inPlace, geometryHash = 0, memoryLimit }) {
+    static #loads(data, { inPlace, geometryHash, memoryLimit }) {
         if (!(data instanceof Uint8Array)) throw new TypeError('data: a Uint8Array is needed');
         const settings = struct('mlrt_load_options', {
-            flags: inPlace ? 1 : 0, geometry_hash: geometryHash, memory_limit: bytes(memoryLimit, 'options.memoryLimit'),
+            flags: inPlace ? 1 : 0, geometry_hash: long(geometryHash, 'options.geometryHash'),
+            memory_limit: long(memoryLimit, 'options.memoryLimit'),
         });
         const out = [null];
         return { native: C.loadTree, args: [data, data.length, settings, out], out, kept: inPlace ? data : null };
     }
 
     static #madeSync({ native, args, out, kept }, options) {
-        callSync(native, args, options);
+        try {
+            callSync(native, args, options);
+        } catch (error) {
+            C.destroyTree(out[0]); // NULL unless onLog has thrown
+            throw error;
+        }
         return new Tree(MADE, out[0], kept);
     }
 
     static async #made({ native, args, out, kept }, options) {
-        await callAsync(native, args, options, options.pool ? [options.pool] : []);
+        try {
+            await callAsync(native, args, options, options.pool ? [options.pool] : []);
+        } catch (error) {
+            C.destroyTree(out[0]); // NULL unless onLog or onProgress has thrown
+            throw error;
+        }
         return new Tree(MADE, out[0], kept);
     }
 
@@ -474,25 +517,25 @@ class Tree extends Handle {
 
     #savedSize() {
         const size = [0];
-        check(C.saveTree(this.handle, null, 0, size, new Watch().memory));
+        check(C.saveTree(this.#tree, null, 0, size, new Watch().memory));
         return Number(size[0]);
     }
 
     saveSync() {
         const data = new Uint8Array(this.#savedSize());
-        callSync(C.saveTree, [this.handle, data, data.length, [0]], {});
+        callSync(C.saveTree, [this.#tree, data, data.length, [0]], {});
         return data;
     }
 
     async save() {
         const data = new Uint8Array(this.#savedSize());
-        await callAsync(C.saveTree, [this.handle, data, data.length, [0]], {}, [this]);
+        await callAsync(C.saveTree, [this.#tree, data, data.length, [0]], {}, [this]);
         return data;
     }
 
     info() {
         const info = struct('mlrt_tree_info', {});
-        check(C.getTreeInfo(this.handle, info));
+        check(C.getTreeInfo(this.#tree, info));
         return {
             structure: STRUCTURES[info.structure], depth: info.depth, triangleCount: Number(info.triangle_count),
             nonFiniteCount: Number(info.non_finite_count), zeroAreaCount: Number(info.zero_area_count),
@@ -507,7 +550,7 @@ class Tree extends Handle {
     #traces(rays, options) {
         const list = raysStruct(rays);
         const { arrays, members } = results(options, CLOSEST, CLOSEST, () => [list.count, 1]);
-        return { args: [this.handle, list, traceOptions(options, 0), struct('mlrt_hits', members)], arrays };
+        return { args: [this.#tree, list, traceOptions(options, 0), struct('mlrt_hits', members)], arrays };
     }
 
     traceSync(rays, options = {}) {
@@ -525,7 +568,7 @@ class Tree extends Handle {
     #asksAny(rays, options) {
         const list = raysStruct(rays);
         const { arrays, members } = results(options, ['occluded'], ['occluded'], () => [list.count, 1]);
-        return { args: [this.handle, list, traceOptions(options, 1), struct('mlrt_hits', members)], arrays };
+        return { args: [this.#tree, list, traceOptions(options, 1), struct('mlrt_hits', members)], arrays };
     }
 
     occludedSync(rays, options = {}) {
@@ -545,7 +588,8 @@ class Tree extends Handle {
         const perHit = [...CLOSEST, 'crossing'], perRay = ['total', 'crossingTotal'];
         const { arrays, members } = results(options, [...perHit, ...perRay], capacity ? [...perHit, ...perRay] : perRay,
             (name) => [perRay.includes(name) ? list.count : list.count * capacity, 1]);
-        return { args: [this.handle, list, traceOptions(options, 0), struct('mlrt_hit_lists', { capacity, ...members })], arrays };
+        const lists = struct('mlrt_hit_lists', { capacity, ...members });
+        return { args: [this.#tree, list, traceOptions(options, 0), lists], arrays };
     }
 
     allHitsSync(rays, options = {}) {
@@ -566,11 +610,14 @@ class Tree extends Handle {
         const allowed = any ? ['occluded'] : lights?.length ? [...CLOSEST, 'occluded'] : CLOSEST;
         const picture = cameraStruct(camera), size = frameSize(picture);
         const names = options.outputs ?? allowed;
+        for (const name of names) {
+            if (!allowed.includes(name)) throw new RangeError(`outputs: ${name} is not one of ${allowed.join(', ')}`);
+        }
         const toTiles = tile ? names.reduce((bits, name) => bits | (OUTPUT_OF_TILE[name] ?? 0), 0) : 0;
         // With tiles, a frame is written only if it is asked for by `into`.
         const { arrays, members } = tile && !options.into ? { arrays: {} } : results(options, allowed, allowed, () => size);
         const frame = members ? struct('mlrt_hits', members) : null;
-        return { args: [this.handle, picture, traceOptions(options, any, any ? 0 : toTiles), frame, tile], arrays };
+        return { args: [this.#tree, picture, traceOptions(options, any, any ? 0 : toTiles), frame, tile], arrays };
     }
 
     renderSync(camera, options = {}) {
@@ -610,7 +657,7 @@ class Tree extends Handle {
         });
         const occluded = options.into?.occluded ?? new Uint8Array(number);
         const array = output(occluded, Uint8Array, number, 1, 'into.occluded');
-        return { args: [this.handle, points, lightStruct(light, 'light'), traceOptions(options, 0), array], occluded };
+        return { args: [this.#tree, points, lightStruct(light, 'light'), traceOptions(options, 0), array], occluded };
     }
 
     occludedPointsSync(points, light, options = {}) {
@@ -627,21 +674,21 @@ class Tree extends Handle {
 
     traceRay(ray, options = {}) {
         const hit = struct('mlrt_hit', {});
-        check(C.traceRay(this.handle, rayStruct(ray), traceOptions(options, 0), hit));
+        check(C.traceRay(this.#tree, rayStruct(ray), traceOptions(options, 0), hit));
         const { t, u, v, mesh, triangle, facing } = hit;
         return { t, u, v, mesh, triangle, facing };
     }
 
     occludedRay(ray, options = {}) {
         const hit = struct('mlrt_hit', {});
-        check(C.traceRay(this.handle, rayStruct(ray), traceOptions(options, 1), hit));
+        check(C.traceRay(this.#tree, rayStruct(ray), traceOptions(options, 1), hit));
         return hit.occluded === 1;
     }
 
     shadowRay(ray, hit, light) {
-        const found = struct('mlrt_hit', { mesh: whole(hit.mesh, 'hit.mesh'), triangle: whole(hit.triangle, 'hit.triangle') });
+        const [mesh, triangle] = idsOf(hit, 'hit'), found = struct('mlrt_hit', { mesh, triangle });
         const shadow = struct('mlrt_ray', {}), faces = [0];
-        check(C.shadowRay(this.handle, rayStruct(ray), found, lightStruct(light, 'light'), shadow, faces));
+        check(C.shadowRay(this.#tree, rayStruct(ray), found, lightStruct(light, 'light'), shadow, faces));
         if (!faces[0]) return null;
         return {
             origin: [...shadow.origin], direction: [...shadow.direction], tMin: shadow.t_min, tMax: shadow.t_max,
@@ -649,9 +696,11 @@ class Tree extends Handle {
         };
     }
 
-    offsetPoint({ mesh, triangle, u, v }, side) {
+    offsetPoint(hit, side) {
+        if (side !== 1 && side !== -1) throw new RangeError(`side: ${String(side)} is not 1 or -1`);
         const point = new Float32Array(3);
-        check(C.offsetPoint(this.handle, whole(mesh, 'mesh'), whole(triangle, 'triangle'), number(u, 'u'), number(v, 'v'), side, point));
+        const u = number(hit.u, 'hit.u', NaN), v = number(hit.v, 'hit.v', NaN);
+        check(C.offsetPoint(this.#tree, ...idsOf(hit, 'hit'), u, v, side, point));
         return [...point];
     }
 }

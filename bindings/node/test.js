@@ -313,6 +313,13 @@ describe('pictures', () => {
         assert.deepStrictEqual(pixels, { triangle: frame.triangle, occluded: frame.occluded });
         await assert.rejects(tree.render(camera, { ...options, onTile: () => false }), { status: mlrt.STATUS.CANCELLED });
         await assert.rejects(tree.render(camera, { ...options, pool, onTile: () => { throw new Error('enough'); } }), /enough/);
+        await assert.rejects(tree.render(camera, { onTile() {}, outputs: ['depth'] }), /outputs: depth is not one of/);
+
+        // A call that blocks this thread would wait for the pool, and the pool for this thread.
+        const rendering = tree.render(camera, { pool, onTile() {} });
+        assert.throws(() => tree.renderSync(camera, { pool }), /options.pool: a render with onTile uses it/);
+        await rendering;
+        tree.renderSync(camera, { pool });
     });
 
     test('points off the surface', async () => {
@@ -363,6 +370,63 @@ describe('errors', () => {
         assert.strictEqual(tree.renderSync(camera).t.length, 64);
         reads = 0;
         assert.strictEqual(mlrt.cameraRays(camera).origins.length, 3 * 64);
+    });
+
+    test('numbers that are none', () => {
+        const data = one.saveSync(), hit = { mesh: 0, triangle: 0, u: 0.25, v: 0.25 };
+        for (const size of [2n ** 64n, -1n, 0.5, NaN, 'x', null, {}]) {
+            assert.throws(() => mlrt.Tree.loadSync(data, { geometryHash: size }), /geometryHash: .* is not a whole/);
+            assert.throws(() => mlrt.Tree.buildSync(triangle, { memoryLimit: size }), /memoryLimit: .* is not a whole/);
+            assert.throws(() => mlrt.estimateKdtree(triangle, { maxReferences: size }), /maxReferences: .* is not/);
+        }
+        for (const x of ['0', undefined, null, 0n]) {
+            const directions = Float32Array.of(0, 0, 1);
+            assert.throws(() => one.traceSync({ origins: [0, x, 0], directions }), /rays.origins: a number is needed/);
+            assert.throws(() => one.traceSync({ ...rays, tMax: [x] }), /rays.tMax: a number is needed/);
+        }
+        assert.throws(() => one.traceSync({ ...rays, skip: new Array(2) }), /rays.skip: a number is needed/);
+        for (const side of [0.5, 1.5, NaN, 2 ** 32 + 1, '1', undefined]) {
+            assert.throws(() => one.offsetPoint(hit, side), /side: .* is not 1 or -1/);
+        }
+        for (const skip of [{}, { mesh: 0 }, { triangle: 0 }, 5, true]) {
+            assert.throws(() => one.traceRay({ ...down, skip }), /ray.skip.* is not a whole number/);
+            assert.throws(() => one.shadowRay(down, skip, { position: [0, 0, 0] }), /hit.* is not a whole number/);
+            assert.throws(() => one.offsetPoint(skip, 1), /hit.* is not a whole number/);
+        }
+        assert.throws(() => one.traceRay({ direction: [0, 0, 1] }), /ray.origin: three numbers/);
+        assert.throws(() => one.traceRay({ origin: [0, 0, 0] }), /ray.direction: three numbers/);
+        assert.throws(() => one.occludedPointsSync({ positions: origins }, {}), /light.position: three numbers/);
+        // A stride that is another one when it is read again.
+        let reads = 0;
+        const changing = { data: Float32Array.of(0, 0, 0), get stride() { return reads++ === 1 ? 'all' : 12; } };
+        assert.throws(() => one.traceSync({ origins: changing, directions: [0, 0, 1], count: 9 }), /bytes are too few/);
+    });
+
+    test('methods of a tree are for trees', () => {
+        const hit = { mesh: 0, triangle: 0, u: 0, v: 0 };
+        const calls = {
+            info: [], saveSync: [], traceSync: [rays], traceRay: [down], occludedRay: [down],
+            shadowRay: [down, hit, { position: [0, 0, 0] }], offsetPoint: [hit, 1],
+        };
+        for (const [name, args] of Object.entries(calls)) {
+            assert.throws(() => mlrt.Tree.prototype[name].apply(pool, args), TypeError);
+        }
+    });
+
+    test('an error of a callback is thrown, and no tree is left behind', async () => {
+        const fail = () => { throw new Error('enough'); };
+        const last = (fraction) => fraction === 1 && fail();
+        const small = { vertices: large.vertices.subarray(0, 90000) };
+        const rss = async () => {
+            for (let i = 0; i < 30; i++) {
+                assert.throws(() => mlrt.Tree.buildSync(small, { onLog: fail }), /enough/);
+                await assert.rejects(mlrt.Tree.build(small, { onProgress: last }), /enough/);
+            }
+            globalThis.gc?.();
+            return process.memoryUsage().rss;
+        };
+        const size = mlrt.estimateTree(small).memorySize, before = await rss();
+        assert.ok(await rss() - before < 30 * size);
     });
 
     test('an empty tree', () => {
