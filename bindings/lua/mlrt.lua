@@ -339,6 +339,23 @@ local function check_room(data, needed, name)
     end
 end
 
+-- Where the elements of an array of a call lie: `count` of `size` bytes, `step` bytes apart.
+local function place_of(data, count, step, size)
+    if step == size then count, size = 1, count * size end -- without gaps: like one element
+    local start = tonumber(ffi.cast("uintptr_t", ffi.cast("const void *", data)))
+    return {start = start, count = count, step = step, size = size}
+end
+
+-- Whether two arrays have bytes in common. Of different strides with gaps it is not known: then false.
+local function meet(a, b)
+    if a.count * b.count == 0 or a.size * b.size == 0 then return false end
+    if a.count > 1 and b.count > 1 and a.step ~= b.step then return false end
+    local step, distance = a.count > 1 and a.step or b.step, b.start - a.start
+    -- The first of b's elements, seen from one of a's, that ends behind its begin: does it begin before its end?
+    local k = math.max(1 - a.count, math.floor((-b.size - distance) / step) + 1)
+    return k < b.count and distance + k * step < a.size
+end
+
 -- How many elements of `width` numbers a packed array has; nil if that can't be told.
 local function count_of(value, width)
     if is_array(value) then return math.floor(ffi.sizeof(value) / (4 * width)) end
@@ -366,6 +383,9 @@ local function input(field, value, ctype, width, count, name, kept)
     end
     field.data, field.stride = ffi.cast("const void *", value.data), value.stride or 0
     kept[#kept + 1] = value
+    local step = tonumber(field.stride)
+    local all = field.stride == STRIDE_ALL
+    kept.places[name] = place_of(value.data, all and 1 or count, (all or step == 0) and 4 * width or step, 4 * width)
 end
 
 local result_types = {
@@ -380,8 +400,8 @@ local writable = {
 
 -- Makes arrays for results, or takes those of `options.into`, and writes them to the fields of a struct. `size(name)`
 -- gives columns and rows.
-local function results(target, options, allowed, size)
-    local arrays, wanted, into = {}, {}, options.into or {}
+local function results(target, options, allowed, size, read)
+    local arrays, wanted, into, places = {}, {}, options.into or {}, {}
     for _, name in ipairs(options.outputs or (options.into and {}) or allowed) do wanted[name] = true end
     for name in pairs(into) do wanted[name] = true end
     for _, name in ipairs(allowed) do
@@ -405,6 +425,23 @@ local function results(target, options, allowed, size)
             target[name].data, target[name].stride = ffi.cast("void *", given.data), given.stride or 0
             target[name].row_stride = given.row_stride or 0
             arrays[name], wanted[name] = value, nil
+            -- Rows with gaps between them count as one element each, if they have none within.
+            local row = stride * columns
+            if rows < 2 or row_stride == row then
+                places[name] = place_of(given.data, columns * rows, stride, bytes)
+            elseif stride == bytes then
+                places[name] = place_of(given.data, rows, row_stride, row)
+            end
+        end
+    end
+    for name in pairs(into) do
+        for other, place in pairs(places) do
+            if places[name] and other ~= name and meet(places[name], place) then
+                error("into." .. name .. ": it shares memory with " .. other, 0)
+            end
+        end
+        for other, place in pairs(places[name] and read or {}) do
+            if meet(places[name], place) then error("into." .. name .. ": it shares memory with " .. other, 0) end
         end
     end
     for name in pairs(wanted) do error("outputs: " .. tostring(name) .. " is not a result of this call", 0) end
@@ -732,9 +769,9 @@ local function rays_struct(rays, kept)
 end
 
 local function trace(tree, rays, options, query, allowed)
-    local kept, hits = {}, struct "hits"
+    local kept, hits = {places = {}}, struct "hits"
     local list, count = rays_struct(rays, kept)
-    local arrays = results(hits, options, allowed, function() return count, 1 end)
+    local arrays = results(hits, options, allowed, function() return count, 1 end, kept.places)
     local settings, handle = trace_options(options, query), open(tree)
     local calls = callbacks(options)
     settings.host = calls.host
@@ -751,7 +788,8 @@ end
 -- @param options nil or a table: method ("ray", "packet2", "packet4", "multilevel", "tile"), isa ("scalar", "sse", "avx2",
 --   "avx512"), culling ("inverse", "direct"), culling_check, initial_tile_size, minimum_tile_size, split_factor,
 --   shortcuts_off, mask, pool, counters, progress, log as in `mlrt.build`, outputs = a list of the results that are wanted,
---   into = a table of the arrays that they are written to, each an FFI array or `{data =, stride =}`
+--   into = a table of the arrays that they are written to, each an FFI array or `{data =, stride =}`, which share
+--   memory neither with each other nor with anything that the call reads
 -- @return a table: t, u, v, mesh, triangle, facing, arrays with an element per ray, and count. A miss has mesh = NONE
 function Tree:trace(rays, options)
     return trace(self, rays, options or {}, queries.closest, closest)
@@ -771,12 +809,13 @@ end
 -- @return a table: t, u, v, mesh, triangle, facing, crossing with `capacity` elements per ray; total, crossing_total
 function Tree:all_hits(rays, options)
     options = options or {}
-    local kept, lists, capacity = {}, struct "hit_lists", whole(options.capacity, WORD, "options.capacity")
+    local kept, lists, capacity = {places = {}}, struct "hit_lists", whole(options.capacity, WORD, "options.capacity")
     local list, count = rays_struct(rays, kept)
     local allowed = {"total", "crossing_total"}
     if capacity > 0 then allowed = {"t", "u", "v", "mesh", "triangle", "facing", "crossing", "total", "crossing_total"} end
     lists.capacity = capacity
-    local arrays = results(lists, options, allowed, function(name) return name:find "total" and count or count * capacity, 1 end)
+    local function size(name) return name:find "total" and count or count * capacity, 1 end
+    local arrays = results(lists, options, allowed, size, kept.places)
     local settings, handle = trace_options(options, queries.closest), open(self)
     local calls = callbacks(options)
     settings.host = calls.host
@@ -868,7 +907,7 @@ function Tree:render(camera, options)
     local frame, arrays = nil, {}
     if not options.on_tile or options.into then
         frame = struct "hits"
-        arrays = results(frame, options, allowed, function() return columns, rows end)
+        arrays = results(frame, options, allowed, function() return columns, rows end, {})
     end
     local settings, handle = trace_options(options, query), open(self)
     if #lights > 0 then settings.lights, settings.light_count = list, #lights end
@@ -892,14 +931,14 @@ end
 -- @return an array: 1 for each point that the light does not reach, else 0
 function Tree:occluded_points(points, light, options)
     options = options or {}
-    local kept, s, lamp, target = {}, struct "points", ffi.new "mlrt_light", ffi.new "mlrt_hits"
+    local kept, s, lamp, target = {places = {}}, struct "points", ffi.new "mlrt_light", ffi.new "mlrt_hits"
     local count = points.count or count_of(points.positions, 3) or error("points.count: it is needed", 0)
     count = whole(count, SIZE, "points.count")
     s.count, s.row_length = count, whole(points.row_length, WORD, "points.row_length")
     input(s.positions, points.positions, "float", 3, count, "points.positions", kept)
     input(s.skip, points.skip, "uint32_t", 2, count, "points.skip", kept)
     write_light(lamp, light, "light")
-    local arrays = results(target, options, {"occluded"}, function() return count, 1 end)
+    local arrays = results(target, options, {"occluded"}, function() return count, 1 end, kept.places)
     local settings, handle = trace_options(options, queries.closest), open(self)
     local calls = callbacks(options)
     settings.host = calls.host

@@ -408,6 +408,29 @@ function tests.tables_are_copied_exactly()
     fails("mlrt.all: a table", mlrt.all, 3)
 end
 
+function tests.results_that_share_memory()
+    local room = ffi.new "float[7000]"
+    local function part(first, stride) return {data = room + first, stride = stride} end
+    local both = {origins = part(0, 24), directions = part(3, 24), count = COUNT}
+    for _, into in ipairs{
+        {t = part(0), u = part(999)}, {t = part(0), mesh = part(0)}, {t = part(0, 24), mesh = part(6, 24)},
+        {t = part(1, 8), u = part(0)},
+    } do
+        fails("shares memory", tree.trace, tree, rays, {into = into})
+    end
+    fails("shares memory with rays", tree.trace, tree, both, {into = {t = part(5, 24)}})
+    fails("shares memory with rays", tree.trace, tree, rays, {into = {t = {data = origins}}})
+    fails("shares memory", tree.all_hits, tree, rays, {into = {total = part(9), crossing_total = part(0)}})
+    local function row(first) return {data = room + first, row_stride = 320} end
+    fails("shares memory", tree.render, tree, camera, {into = {t = row(0), u = row(39)}})
+
+    -- Records, halves and rows in turn do not.
+    tree:trace(rays, {into = {t = part(0, 24), mesh = part(1, 24), u = part(3, 24)}})
+    for i = 0, COUNT - 1 do assert(room[6 * i] == hits.t[i] and room[6 * i + 3] == hits.u[i]) end
+    tree:trace(rays, {into = {t = part(0), u = part(1000)}})
+    tree:render(camera, {into = {t = row(0), u = row(40)}})
+end
+
 function tests.vectors_that_are_needed()
     fails("ray.origin: three numbers", one.trace_ray, one, {direction = {0, 0, 1}})
     fails("ray.direction: three numbers", one.trace_ray, one, {origin = {0, 0, 0}})

@@ -57,7 +57,10 @@ export interface Strided<A> {
  */
 export type Input<A> = A | Strided<A> | number | readonly number[];
 
-/** An array for results: packed, or with strides in bytes from element to element and from row to row of a picture. */
+/**
+ * An array for results: packed, or with strides in bytes from element to element and from row to row of a picture. Its
+ * elements share memory neither with those of another one nor with anything that the call reads.
+ */
 export type Output<A> = A | { data: A; stride?: number; rowStride?: number };
 
 /** What all calls have. */

@@ -102,6 +102,36 @@ function partOf(object, type, part, what) {
 const STRIDE_ALL = koffi.sizeof('size_t') === 8 ? 0xFFFFFFFFFFFFFFFFn : 0xFFFFFFFF;
 const NOT_GIVEN = { data: null, stride: 0, row_stride: 0 };
 
+/** Where the elements of an array of a call lie: by its struct for the call. */
+const places = new WeakMap();
+
+/** Returns the struct, whose `count` elements of `size` bytes lie `step` bytes apart, and remembers where. */
+function placed(struct, array, count, step, size) {
+    const whole = step === size; // without gaps: like one element
+    const elements = whole ? { count: 1, size: count * size } : { count, size };
+    places.set(struct, { buffer: array.buffer, start: array.byteOffset, step, ...elements });
+    return struct;
+}
+
+/** Whether two arrays have bytes in common. Of different strides with gaps it is not known: then false. */
+function meet(a, b) {
+    if (a.buffer !== b.buffer || a.count * b.count === 0 || a.size * b.size === 0) return false;
+    if (a.count > 1 && b.count > 1 && a.step !== b.step) return false;
+    const step = a.count > 1 ? a.step : b.step, distance = b.start - a.start;
+    // The first of b's elements, seen from one of a's, that ends behind its begin: does it begin before its end?
+    const k = Math.max(1 - a.count, Math.floor((-b.size - distance) / step) + 1);
+    return k < b.count && distance + k * step < a.size;
+}
+
+/** Throws if an array for results has bytes in common with another one, or with one that the call reads. */
+function keepApart(written, read) {
+    const arrays = [...Object.entries(written), ...Object.entries(read)].filter(([, struct]) => places.has(struct));
+    Object.values(written).forEach((struct, i) => {
+        const other = arrays.slice(i + 1).find(([, other]) => meet(places.get(struct), places.get(other)));
+        if (other) throw new RangeError(`into.${arrays[i][0]}: it shares memory with ${other[0]}`);
+    });
+}
+
 /** Throws unless `last` elements of `stride` bytes and one of `size` bytes lie in the array. */
 function fits(data, last, stride, size, what) {
     if (last >= 0 && last * stride + size > data.byteLength) {
@@ -129,12 +159,13 @@ function input(value, type, width, count, what) {
     const size = width * type.BYTES_PER_ELEMENT;
     if (value === data) {
         if (data.length !== count * width) throw new RangeError(`${what}: ${data.length} numbers, but ${count * width} are needed`);
-        return { data, stride: 0, row_stride: 0 };
+        return placed({ data, stride: 0, row_stride: 0 }, data, count, size, size);
     }
     const given = value.stride; // which may be another one when it is read again
     const stride = given === 'all' ? STRIDE_ALL : whole(given, `${what}.stride`, size);
-    fits(data, given === 'all' ? 0 : count - 1, stride === 0 ? size : Number(stride), size, what);
-    return { data, stride, row_stride: 0 };
+    const elements = given === 'all' ? 1 : count, step = given === 'all' ? size : stride || size;
+    fits(data, elements - 1, step, size, what);
+    return placed({ data, stride, row_stride: 0 }, data, elements, step, size);
 }
 
 /** How many elements a packed input has; undefined if it does not tell. */
@@ -152,7 +183,11 @@ function output(value, type, columns, rows, what) {
     const step = stride || size, rowStep = row || step * columns;
     if (columns > 0 && rows > 0) fits(data, 1, (rows - 1) * rowStep + (columns - 1) * step, size, what);
     // Koffi passes an empty array as NULL, which would mean that it is not wanted.
-    return { data: data.length > 0 ? data : new type(1), stride, row_stride: row };
+    const member = { data: data.length > 0 ? data : new type(1), stride, row_stride: row };
+    // Rows with gaps between them count as one element each, if they have none within.
+    const rowSize = columns * step;
+    if (rows < 2 || rowStep === rowSize) return placed(member, data, columns * rows, step, size);
+    return placed(member, data, step === size ? rows : 0, rowStep, rowSize);
 }
 
 const RESULTS = {
@@ -550,6 +585,7 @@ class Tree extends Handle {
     #traces(rays, options) {
         const list = raysStruct(rays);
         const { arrays, members } = results(options, CLOSEST, CLOSEST, () => [list.count, 1]);
+        keepApart(members, list);
         return { args: [this.#tree, list, traceOptions(options, 0), struct('mlrt_hits', members)], arrays };
     }
 
@@ -568,6 +604,7 @@ class Tree extends Handle {
     #asksAny(rays, options) {
         const list = raysStruct(rays);
         const { arrays, members } = results(options, ['occluded'], ['occluded'], () => [list.count, 1]);
+        keepApart(members, list);
         return { args: [this.#tree, list, traceOptions(options, 1), struct('mlrt_hits', members)], arrays };
     }
 
@@ -588,6 +625,7 @@ class Tree extends Handle {
         const perHit = [...CLOSEST, 'crossing'], perRay = ['total', 'crossingTotal'];
         const { arrays, members } = results(options, [...perHit, ...perRay], capacity ? [...perHit, ...perRay] : perRay,
             (name) => [perRay.includes(name) ? list.count : list.count * capacity, 1]);
+        keepApart(members, list);
         const lists = struct('mlrt_hit_lists', { capacity, ...members });
         return { args: [this.#tree, list, traceOptions(options, 0), lists], arrays };
     }
@@ -616,6 +654,7 @@ class Tree extends Handle {
         const toTiles = tile ? names.reduce((bits, name) => bits | (OUTPUT_OF_TILE[name] ?? 0), 0) : 0;
         // With tiles, a frame is written only if it is asked for by `into`.
         const { arrays, members } = tile && !options.into ? { arrays: {} } : results(options, allowed, allowed, () => size);
+        if (members) keepApart(members, {});
         const frame = members ? struct('mlrt_hits', members) : null;
         return { args: [this.#tree, picture, traceOptions(options, any, any ? 0 : toTiles), frame, tile], arrays };
     }
@@ -657,6 +696,7 @@ class Tree extends Handle {
         });
         const occluded = options.into?.occluded ?? new Uint8Array(number);
         const array = output(occluded, Uint8Array, number, 1, 'into.occluded');
+        keepApart({ occluded: array }, points);
         return { args: [this.#tree, points, lightStruct(light, 'light'), traceOptions(options, 0), array], occluded };
     }
 

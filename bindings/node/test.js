@@ -402,6 +402,32 @@ describe('errors', () => {
         assert.throws(() => one.traceSync({ origins: changing, directions: [0, 0, 1], count: 9 }), /bytes are too few/);
     });
 
+    test('results that share memory', () => {
+        const room = new Float32Array(7 * COUNT), words = new Uint32Array(room.buffer), shared = /shares memory/;
+        const part = (array, first, stride) => ({ data: array.subarray(first), stride });
+        const both = { origins: part(room, 0, 24), directions: part(room, 3, 24), count: COUNT };
+        for (const into of [
+            { t: room.subarray(0, COUNT), u: room.subarray(COUNT - 1, 2 * COUNT - 1) },
+            { t: room.subarray(0, COUNT), mesh: words.subarray(0, COUNT) },
+            { t: part(room, 0, 24), mesh: part(words, 6, 24) }, { t: part(room, 1, 8), u: room.subarray(0, COUNT) },
+        ]) assert.throws(() => tree.traceSync(rays, { into }), shared);
+        assert.throws(() => tree.traceSync(both, { into: { t: part(room, 5, 24) } }), shared);
+        assert.throws(() => tree.traceSync(rays, { into: { t: origins.subarray(0, COUNT) } }), shared);
+        const occluded = new Uint8Array(origins.buffer, 7, COUNT), total = words.subarray(9);
+        assert.throws(() => tree.occludedSync(rays, { into: { occluded } }), shared);
+        assert.throws(() => tree.allHitsSync(rays, { into: { total, crossingTotal: words } }), shared);
+        const frame = new Float32Array(2 * 1200), row = (first) => ({ data: frame.subarray(first), rowStride: 320 });
+        assert.throws(() => tree.renderSync(camera, { into: { t: row(0), u: row(39) } }), shared);
+
+        // Records, halves and rows in turn do not.
+        tree.traceSync(rays, { into: { t: part(room, 0, 24), mesh: part(words, 1, 24), u: part(room, 3, 24) } });
+        for (let i = 0; i < COUNT; i++) {
+            assert.ok(room[6 * i] === hits.t[i] && words[6 * i + 1] === hits.mesh[i] && room[6 * i + 3] === hits.u[i]);
+        }
+        tree.traceSync(rays, { into: { t: room.subarray(0, COUNT), u: room.subarray(COUNT, 2 * COUNT) } });
+        tree.renderSync(camera, { into: { t: row(0), u: row(40) } });
+    });
+
     test('methods of a tree are for trees', () => {
         const hit = { mesh: 0, triangle: 0, u: 0, v: 0 };
         const calls = {
