@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //! Arrays that the library reads or writes where they lie.
 
+use std::alloc::{alloc_zeroed, Layout};
 use std::marker::PhantomData;
 use std::mem::size_of;
 
@@ -27,6 +28,21 @@ macro_rules! elements {
 }
 
 elements!(f32: f32, u32: u32, i32: i32, u8: u8, [f32; 3]: f32, [u32; 3]: u32, [u32; 2]: u32, [u16; 3]: u16);
+
+/// `n` zeros. Without memory for them the answer is an error, where `vec!` would end the process.
+pub(crate) fn zeros<T: Element>(n: usize) -> Result<Vec<T>> {
+    let fail = || Error::out_of_memory(format!("no memory for {n} results"));
+    let layout = Layout::array::<T>(n).map_err(|_| fail())?;
+    if n == 0 {
+        return Ok(Vec::new());
+    }
+    // SAFETY: the layout is that of a vector of this capacity, whose size is not 0; all elements are numbers.
+    let data = unsafe { alloc_zeroed(layout) }.cast::<T>();
+    if data.is_null() {
+        return Err(fail());
+    }
+    Ok(unsafe { Vec::from_raw_parts(data, n, n) })
+}
 
 /// An array that the library reads: a slice, elements that lie apart, or one element for all rays.
 ///
@@ -62,9 +78,11 @@ impl<'a, T: Element> Input<'a, T> {
     ///
     /// As many as lie in the slice wholly. Panics if `step` is 0.
     pub fn strided(numbers: &'a [T::Scalar], step: usize) -> Self {
+        assert!(step > 0, "a step of 0");
         let width = size_of::<T>() / size_of::<T::Scalar>();
         let len = if numbers.len() < width { 0 } else { (numbers.len() - width) / step + 1 };
-        let stride = step.saturating_mul(size_of::<T::Scalar>());
+        // Beyond all slices, but not the stride of one element for all.
+        let stride = step.saturating_mul(size_of::<T::Scalar>()).min(isize::MAX as usize);
         Input { data: numbers.as_ptr().cast(), stride, len, borrowed: PhantomData }
     }
 
@@ -134,13 +152,34 @@ impl<'a, T: Element, const N: usize> From<&'a [T; N]> for Input<'a, T> {
 /// let positions: mlrt::Input<[f32; 3]> = mlrt::field!(&vertices, Vertex, position);
 /// assert_eq!(positions.len(), 1);
 /// ```
+///
+/// The field itself must be an element, not something that points to one:
+///
+/// ```compile_fail,E0308
+/// struct Vertex { position: Box<[f32; 3]>, name: [u8; 16] }
+/// let vertices: Vec<Vertex> = Vec::new();
+/// let positions: mlrt::Input<[f32; 3]> = mlrt::field!(&vertices, Vertex, position);
+/// ```
+///
+/// Nor can it be a field of a union:
+///
+/// ```compile_fail,E0133
+/// union Vertex { position: [f32; 3], name: [u8; 16] }
+/// let vertices: Vec<Vertex> = Vec::new();
+/// let positions: mlrt::Input<[f32; 3]> = mlrt::field!(&vertices, Vertex, position);
+/// ```
 #[macro_export]
 macro_rules! field {
     ($slice:expr, $struct:ty, $field:ident) => {{
         let slice: &[$struct] = &$slice[..];
-        // The closure gives the type of the field, and fails to compile if it is not there.
+        // It does not compile if the field is not there, or is of a union, which may hold anything. A pointer has exactly
+        // the type of the field, where a reference could be to what a Box points to.
+        let field = |s: &$struct| {
+            let field = &s.$field;
+            ::std::ptr::addr_of!(*field)
+        };
         // SAFETY: the field is at this offset in each struct.
-        unsafe { $crate::field_at(slice, ::std::mem::offset_of!($struct, $field), |s: &$struct| &s.$field) }
+        unsafe { $crate::field_at(slice, ::std::mem::offset_of!($struct, $field), field) }
     }};
 }
 
@@ -148,9 +187,9 @@ macro_rules! field {
 ///
 /// # Safety
 ///
-/// In each struct a field of the type that `_field` returns lies at `offset`.
+/// In each struct a field of the type to which `_field` returns a pointer lies at `offset`.
 #[doc(hidden)]
-pub unsafe fn field_at<'a, S, T: Element>(slice: &'a [S], offset: usize, _field: fn(&S) -> &T) -> Input<'a, T> {
+pub unsafe fn field_at<'a, S, T: Element>(slice: &'a [S], offset: usize, _field: fn(&S) -> *const T) -> Input<'a, T> {
     assert!(offset + size_of::<T>() <= size_of::<S>());
     let data = slice.as_ptr().cast::<u8>().wrapping_add(offset).cast();
     Input { data, stride: size_of::<S>(), len: slice.len(), borrowed: PhantomData }
@@ -192,6 +231,18 @@ impl<'a, T: Element> Output<'a, T> {
         Output { data, stride, row_stride: 0, size, borrowed: PhantomData }
     }
 
+    /// Do elements of different rows share bytes? Rows may lie within each other, as those of a transposed picture do.
+    /// There must be space for all.
+    fn rows_overlap(&self, columns: usize, rows: usize) -> bool {
+        if columns == 0 || rows < 2 || self.row_stride == 0 || self.row_stride >= columns * self.stride {
+            return false;
+        }
+        (1..rows).map(|row| row * self.row_stride).take_while(|start| *start < columns * self.stride).any(|start| {
+            let (column, rest) = (start / self.stride, start % self.stride);
+            column < columns && rest < size_of::<T>() || column + 1 < columns && self.stride - rest < size_of::<T>()
+        })
+    }
+
     /// As an array of rows of the C interface.
     pub(crate) fn array(&mut self, name: &str, columns: usize, rows: usize) -> Result<ffi::mlrt_array> {
         let row_stride = if self.row_stride == 0 { columns.checked_mul(self.stride) } else { Some(self.row_stride) };
@@ -201,6 +252,12 @@ impl<'a, T: Element> Output<'a, T> {
         };
         if columns > 0 && rows > 0 && needed().map_or(true, |needed| needed > self.size) {
             return Err(Error::argument(format!("{name}: too short for {rows} rows of {columns} results")));
+        }
+        if self.rows_overlap(columns, rows) {
+            let step = self.row_stride / size_of::<T::Scalar>();
+            return Err(Error::argument(format!(
+                "{name}: rows of {columns} results overlap with a row step of {step}"
+            )));
         }
         Ok(ffi::mlrt_array { data: self.data.cast(), stride: self.stride, row_stride: self.row_stride })
     }

@@ -49,6 +49,18 @@ impl Error {
         Error { status: ffi::MLRT_ERROR_ARGUMENT, message }
     }
 
+    pub(crate) fn out_of_memory(message: String) -> Error {
+        Error { status: ffi::MLRT_ERROR_OUT_OF_MEMORY, message }
+    }
+
+    /// The number of rays or points, which must be one that the library can count.
+    pub(crate) fn check_count(name: &str, count: usize) -> Result<()> {
+        if count <= i32::MAX as usize {
+            return Ok(());
+        }
+        Err(Error { status: ffi::MLRT_ERROR_TOO_LARGE, message: format!("{name}: {count} is more than {}", i32::MAX) })
+    }
+
     /// The status of the C interface: one of `ffi::MLRT_ERROR_*`.
     pub fn status(&self) -> i32 {
         self.status

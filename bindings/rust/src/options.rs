@@ -299,6 +299,10 @@ impl TraceOptions<'_> {
         let lights: Vec<_> = self.lights.iter().copied().map(Light::to_ffi).collect();
         let mut counters =
             self.counters.map(|counters| counters.lock().unwrap_or_else(|poisoned| poisoned.into_inner()));
+        if let Some(counters) = &mut counters {
+            // The program may have set it to anything.
+            counters.struct_size = Counters::default().struct_size;
+        }
         let (result, kept) = self.host.with(|host| {
             let options = ffi::mlrt_trace_options {
                 query: query.code(),

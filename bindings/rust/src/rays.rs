@@ -3,7 +3,7 @@
 
 use std::mem::size_of;
 
-use crate::arrays::{Element, Input, Output};
+use crate::arrays::{zeros, Element, Input, Output};
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::NONE;
@@ -131,6 +131,7 @@ impl<'a> Rays<'a> {
             let message = format!("rays.rays_per_origin: {shared} does not divide {count} rays");
             return Err(Error::argument(message));
         }
+        Error::check_count("rays.count", count)?;
         fn optional<T: Element>(input: Option<Input<T>>, name: &str, len: usize) -> Result<ffi::mlrt_const_array> {
             input.map_or(Ok(Default::default()), |input| input.array(name, len))
         }
@@ -256,15 +257,8 @@ pub struct Hits {
 }
 
 impl Hits {
-    pub(crate) fn new(n: usize) -> Hits {
-        Hits {
-            t: vec![0.; n],
-            u: vec![0.; n],
-            v: vec![0.; n],
-            mesh: vec![0; n],
-            triangle: vec![0; n],
-            facing: vec![0; n],
-        }
+    pub(crate) fn new(n: usize) -> Result<Hits> {
+        Ok(Hits { t: zeros(n)?, u: zeros(n)?, v: zeros(n)?, mesh: zeros(n)?, triangle: zeros(n)?, facing: zeros(n)? })
     }
 
     pub(crate) fn arrays(&mut self) -> HitArrays<'_> {
@@ -614,6 +608,7 @@ impl<'a> Points<'a> {
 
     pub(crate) fn to_ffi(self) -> Result<ffi::mlrt_points> {
         let count = self.len();
+        Error::check_count("points.count", count)?;
         Ok(ffi::mlrt_points {
             row_length: self.row_length,
             count,

@@ -9,8 +9,8 @@ use std::panic::{catch_unwind, resume_unwind, AssertUnwindSafe};
 use std::ptr::{self, NonNull};
 use std::sync::Mutex;
 
-use crate::arrays::Output;
-use crate::error::{check, Error, Result};
+use crate::arrays::{zeros, Output};
+use crate::error::{check, Result};
 use crate::ffi;
 use crate::host::{Keeper, Kept};
 use crate::options::{KdTreeOptions, LoadOptions, Query, TraceOptions, TreeOptions};
@@ -218,7 +218,7 @@ impl<'data> Tree<'data> {
 
     /// The tree as bytes, with its triangles.
     pub fn save(&self) -> Result<Vec<u8>> {
-        let mut bytes = vec![0; self.saved_size()?];
+        let mut bytes = zeros(self.saved_size()?)?;
         self.save_into(&mut bytes)?;
         Ok(bytes)
     }
@@ -232,14 +232,14 @@ impl<'data> Tree<'data> {
 
     /// The closest hit of each ray.
     pub fn trace(&self, rays: &Rays, options: &TraceOptions) -> Result<Hits> {
-        let mut hits = Hits::new(rays.len());
+        let mut hits = Hits::new(rays.to_ffi()?.count)?;
         self.trace_arrays(rays, Query::Closest, options, &mut hits.arrays())?;
         Ok(hits)
     }
 
     /// Does each ray hit anything?
     pub fn occluded(&self, rays: &Rays, options: &TraceOptions) -> Result<Vec<bool>> {
-        let mut occluded = vec![0u8; rays.len()];
+        let mut occluded = zeros(rays.to_ffi()?.count)?;
         let mut arrays = HitArrays { occluded: Some((&mut occluded).into()), ..Default::default() };
         self.trace_arrays(rays, Query::Any, options, &mut arrays)?;
         Ok(occluded.into_iter().map(|byte| byte != 0).collect())
@@ -282,19 +282,19 @@ impl<'data> Tree<'data> {
 
     /// All hits of each ray, in order, `capacity` at most; their totals count those beyond it, too.
     pub fn all_hits(&self, rays: &Rays, options: &TraceOptions, capacity: u32) -> Result<HitLists> {
-        let rows = rays.len();
-        let n = rows.checked_mul(capacity as usize).ok_or_else(|| Error::argument("too many hits".into()))?;
+        let rows = rays.to_ffi()?.count;
+        let n = rows.saturating_mul(capacity as usize);
         let mut lists = HitLists {
             capacity: capacity as usize,
-            t: vec![0.; n],
-            u: vec![0.; n],
-            v: vec![0.; n],
-            mesh: vec![0; n],
-            triangle: vec![0; n],
-            facing: vec![0; n],
-            crossing: vec![0; n],
-            total: vec![0; rows],
-            crossing_total: vec![0; rows],
+            t: zeros(n)?,
+            u: zeros(n)?,
+            v: zeros(n)?,
+            mesh: zeros(n)?,
+            triangle: zeros(n)?,
+            facing: zeros(n)?,
+            crossing: zeros(n)?,
+            total: zeros(rows)?,
+            crossing_total: zeros(rows)?,
         };
         fn wanted<'a, T: crate::Element>(vector: &'a mut Vec<T>, capacity: u32) -> Option<Output<'a, T>> {
             (capacity > 0).then(|| vector.into())
@@ -326,8 +326,7 @@ impl<'data> Tree<'data> {
 
     /// The closest hits of a camera's pixels, row by row.
     pub fn render_hits(&self, camera: &Camera, options: &TraceOptions) -> Result<Hits> {
-        let (columns, rows) = camera.size();
-        let mut hits = Hits::new(columns.saturating_mul(rows));
+        let mut hits = Hits::new(camera.pixels()?)?;
         let options = TraceOptions { query: Query::Closest, ..options.clone() };
         self.render(camera, &options, Some(&mut hits.arrays()), None)?;
         Ok(hits)
@@ -381,7 +380,7 @@ impl<'data> Tree<'data> {
 
     /// Is something between each point and the light?
     pub fn occluded_points(&self, points: &Points, light: &Light, options: &TraceOptions) -> Result<Vec<bool>> {
-        let mut occluded = vec![0u8; points.len()];
+        let mut occluded = zeros(points.to_ffi()?.count)?;
         self.occluded_points_into(points, light, options, (&mut occluded).into())?;
         Ok(occluded.into_iter().map(|byte| byte != 0).collect())
     }
@@ -420,11 +419,20 @@ impl<'data> Tree<'data> {
 }
 
 impl Camera {
-    /// The very rays that [`Tree::render`] traces, row by row: origins and directions.
-    pub fn rays(&self) -> Result<(Points3, Points3)> {
+    /// The number of pixels of the crop. Of more than the library can count, the library says what is wrong.
+    fn pixels(&self) -> Result<usize> {
         let (columns, rows) = self.size();
         let n = columns.saturating_mul(rows);
-        let (mut origins, mut directions) = (vec![[0.; 3]; n], vec![[0.; 3]; n]);
+        if n > i32::MAX as usize {
+            self.rays_into(None, None)?;
+        }
+        Ok(n)
+    }
+
+    /// The very rays that [`Tree::render`] traces, row by row: origins and directions.
+    pub fn rays(&self) -> Result<(Points3, Points3)> {
+        let n = self.pixels()?;
+        let (mut origins, mut directions) = (zeros(n)?, zeros(n)?);
         self.rays_into(Some((&mut origins).into()), Some((&mut directions).into()))?;
         Ok((origins, directions))
     }

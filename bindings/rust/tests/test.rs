@@ -152,6 +152,58 @@ fn errors_say_what_is_wrong() {
 }
 
 #[test]
+fn sizes_beyond_all_memory_are_errors() {
+    let (tree, options) = (walls(), TraceOptions::default());
+    let origins = [[0.; 3]; 1000];
+    let rays = Rays { rays_per_origin: u32::MAX, ..Rays::new(&origins, Input::all(&[0., 0., 1.])) };
+    assert_eq!(tree.trace(&rays, &options).unwrap_err().kind(), ErrorKind::TooLarge);
+    assert_eq!(tree.occluded(&rays, &options).unwrap_err().kind(), ErrorKind::TooLarge);
+    assert_eq!(tree.all_hits(&rays, &options, 1).unwrap_err().kind(), ErrorKind::TooLarge);
+    let rays = Rays::new(&origins, &origins);
+    assert_eq!(tree.all_hits(&rays, &options, u32::MAX).unwrap_err().kind(), ErrorKind::OutOfMemory);
+    for side in [1 << 23, u32::MAX] {
+        let camera = Camera { width: side, height: side, ..Camera::look_at([0.; 3], WALLS[0], [0., 1., 0.], 9., 1, 1) };
+        assert_eq!(tree.render_hits(&camera, &options).unwrap_err().kind(), ErrorKind::TooLarge);
+        assert_eq!(camera.rays().unwrap_err().kind(), ErrorKind::TooLarge);
+    }
+}
+
+#[test]
+fn strides_that_no_slice_has() -> Result<()> {
+    // Steps of usize::MAX bytes would be one element for all, here one of no numbers.
+    let (tree, directions) = (walls(), [[0., 0., 1.]; 4]);
+    for numbers in [vec![], vec![0.; 3]] {
+        let rays = Rays::new(Input::strided(&numbers, usize::MAX), &directions);
+        assert_eq!(tree.trace(&rays, &Default::default()).unwrap_err().kind(), ErrorKind::Argument);
+    }
+    assert!(catch_unwind(|| Input::<[f32; 3]>::strided(&[], 0)).is_err());
+
+    // Rows that share pixels, and rows within each other: a picture on its side.
+    let camera = Camera::look_at([0.; 3], [0., 0., 5.], [0., 1., 0.], 120., 40, 30);
+    let picture = tree.render_hits(&camera, &Default::default())?;
+    let mut t = vec![0.; 1200];
+    let mut frame = HitArrays { t: Some(Output::strided(&mut t, 1, 39)), ..Default::default() };
+    let error = tree.render(&camera, &Default::default(), Some(&mut frame), None).unwrap_err();
+    assert!(error.message().contains("overlap with a row step of 39"), "{error}");
+    let mut frame = HitArrays { t: Some(Output::strided(&mut t, 30, 1)), ..Default::default() };
+    tree.render(&camera, &Default::default(), Some(&mut frame), None)?;
+    assert!((0..1200).all(|i| t[i % 40 * 30 + i / 40] == picture.t[i]));
+    Ok(())
+}
+
+#[test]
+fn counters_of_any_size_are_those_of_the_crate() -> Result<()> {
+    let tree = walls();
+    for struct_size in [0, 8, 168, u32::MAX] {
+        let counters = Mutex::new(Counters { struct_size, ..Default::default() });
+        let options = TraceOptions { counters: Some(&counters), ..Default::default() };
+        tree.trace(&Rays::new(&[[0.; 3]], &[[0., 0., 1.]]), &options)?;
+        assert_eq!(counters.lock().unwrap().ray_count, 1);
+    }
+    Ok(())
+}
+
+#[test]
 fn how_a_tree_is_built_changes_no_answer() -> Result<()> {
     let scene = Scene::new();
     let hits = scene.tree().trace(&scene.rays(), &Default::default())?;
