@@ -23,6 +23,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <exception>
 #include <functional>
 #include <limits>
@@ -134,11 +135,46 @@ namespace detail {
 
 template <class C> using Element = typename std::remove_pointer<decltype(std::declval<C &>().data())>::type;
 
-/* Can E be, or be a part of, N numbers S? A number that is S, or a struct of N of them. */
+/* The type of the numbers that E is or has, as far as it tells (by its value_type, for example); else void. */
+template <class E, bool is_enum = std::is_enum<E>::value> struct Number : std::underlying_type<E> {};
+template <class E>
+struct Number<E, false> : std::conditional<std::is_class<E>::value || std::is_union<E>::value, void, E> {};
+template <class T> struct Always { typedef void type; };
+template <class E, class = void> struct Numbers : Number<E> {};
+template <class E>
+struct Numbers<E, typename Always<typename E::value_type>::type>
+    : Numbers<typename std::remove_cv<typename E::value_type>::type> {};
+template <class E, size_t N> struct Numbers<E[N], void> : Numbers<typename std::remove_cv<E>::type> {};
+
+/* Are the bits of a T those of an S? Integers may differ in their sign. */
+template <class T, class S>
+struct IsNumber : std::integral_constant<bool, std::is_arithmetic<T>::value && sizeof(T) == sizeof(S) &&
+                                                   std::is_integral<T>::value == std::is_integral<S>::value> {};
+template <class S> struct IsNumber<void, S> : std::true_type {};
+
+/* Has E the size of N numbers S, and if it tells the type of its numbers, is it S? */
+template <class E, class S, size_t N>
+struct IsElement
+    : std::integral_constant<bool, sizeof(E) == N * sizeof(S) &&
+                                       IsNumber<typename Numbers<typename std::remove_cv<E>::type>::type, S>::value> {};
+
+/* Can a container of E be one of numbers S, or of elements of N of them? */
 template <class E, class S, size_t N>
 struct Fits : std::integral_constant<bool, std::is_same<typename std::remove_cv<E>::type, S>::value ||
                                                (!std::is_arithmetic<E>::value && std::is_trivially_copyable<E>::value &&
-                                                sizeof(E) == N * sizeof(S) && alignof(E) % alignof(S) == 0)> {};
+                                                IsElement<E, S, N>::value && alignof(E) % alignof(S) == 0)> {};
+
+/* a * b, or the greatest number if it is beyond it. */
+inline size_t product(size_t a, size_t b) {
+    const size_t most = std::numeric_limits<size_t>::max();
+    return b != 0 && a > most / b ? most : a * b;
+}
+
+/* Rays and points are counted in 31 bits: asked before memory is taken for their results. */
+inline Status check_count(const char *name, size_t count) {
+    if (count <= static_cast<size_t>(std::numeric_limits<int32_t>::max())) return Status();
+    return Status(MLRT_ERROR_TOO_LARGE, std::string(name) + ": " + std::to_string(count) + " is more than 2147483647");
+}
 
 } // namespace detail
 
@@ -148,8 +184,9 @@ struct Fits : std::integral_constant<bool, std::is_same<typename std::remove_cv<
 
 /*
  * Elements of N numbers S that the library reads where they lie: a container with data() and size(), of numbers or of
- * structs of N numbers (std::array<float, 3>, glm::vec3); a field of structs; or one element that serves all rays. An
- * empty Input is left out. It refers to the container, which must live until the call returns.
+ * structs of N numbers (std::array<float, 3>, glm::vec3); a field of structs; or one element that serves all rays. A
+ * struct with a `value_type` must have the right one; of others only the size is looked at. An empty Input is left out.
+ * It refers to the container, which must live until the call returns.
  */
 template <class S, size_t N = 1> class Input {
     const void *data_ = nullptr;
@@ -165,18 +202,19 @@ template <class S, size_t N = 1> class Input {
     template <class C, class E = detail::Element<const C>,
               class = typename std::enable_if<detail::Fits<E, S, N>::value>::type>
     Input(const C &container)
-        : data_(container.data()), count_(container.size() * sizeof(E) / (N * sizeof(S))), stride_(0) {}
+        : data_(container.size() ? container.data() : nullptr),
+          count_(container.size() * sizeof(E) / (N * sizeof(S))), stride_(0) {}
 
     /* One element, of one number or a struct of N of them, that serves all rays; it must live until the call returns. */
     template <class E> static Input all(const E &element) {
-        static_assert(sizeof(E) == N * sizeof(S), "an element of another size");
+        static_assert(detail::IsElement<E, S, N>::value, "an element of another type or size");
         return Input(reinterpret_cast<const S *>(&element), 1, MLRT_STRIDE_ALL);
     }
     template <class E> static Input all(const E &&) = delete;
 
     /* A field of all structs: Input<float, 3>::field(vertices, &Vertex::position). */
     template <class C, class Struct, class Field> static Input field(const C &structs, Field Struct::*member) {
-        static_assert(sizeof(Field) == N * sizeof(S), "a field of another size");
+        static_assert(detail::IsElement<Field, S, N>::value, "a field of another type or size");
         const void *first = structs.size() ? &(structs.data()->*member) : nullptr;
         return Input(static_cast<const S *>(first), structs.size(), sizeof(detail::Element<const C>));
     }
@@ -194,20 +232,30 @@ template <class S, size_t N = 1> class Output {
     size_t stride_ = N * sizeof(S);
     size_t row_stride_ = 0;
 
+    /* Rows may lie within each other, as those of a transposed picture do. There must be space for all. */
+    bool rows_overlap(size_t columns, size_t row_count) const {
+        for (size_t row = 1; row < row_count && row * row_stride_ / stride_ < columns; row++) {
+            const size_t column = row * row_stride_ / stride_, rest = row * row_stride_ % stride_;
+            if (rest < N * sizeof(S) || (column + 1 < columns && stride_ - rest < N * sizeof(S))) return true;
+        }
+        return false;
+    }
+
   public:
     Output() = default;
 
-    /* `size` bytes from `data` on, for elements `stride` bytes apart; rows of pixels `row_stride` bytes apart (0: packed). */
-    Output(S *data, size_t size, size_t stride = N * sizeof(S), size_t row_stride = 0)
-        : data_(data), size_(size), stride_(stride), row_stride_(row_stride) {}
+    /* `size` bytes from `data` on: elements `stride` bytes apart, and rows of pixels `row_stride` bytes; 0 = packed. */
+    Output(S *data, size_t size, size_t stride = 0, size_t row_stride = 0)
+        : data_(data), size_(size), stride_(stride ? stride : N * sizeof(S)), row_stride_(row_stride) {}
 
     template <class C, class E = detail::Element<C>,
               class = typename std::enable_if<!std::is_const<E>::value && detail::Fits<E, S, N>::value>::type>
-    Output(C &container) : data_(container.data()), size_(container.size() * sizeof(E)) {}
+    Output(C &container)
+        : data_(container.size() ? container.data() : nullptr), size_(container.size() * sizeof(E)) {}
 
     /* A field of all structs: Output<float>::field(pixels, &Pixel::depth). */
     template <class C, class Struct, class Field> static Output field(C &structs, Field Struct::*member) {
-        static_assert(sizeof(Field) == N * sizeof(S), "a field of another size");
+        static_assert(detail::IsElement<Field, S, N>::value, "a field of another type or size");
         if (!structs.size()) return Output();
         const size_t stride = sizeof(detail::Element<C>);
         char *const first = reinterpret_cast<char *>(&(structs.data()->*member));
@@ -222,11 +270,17 @@ template <class S, size_t N = 1> class Output {
         return copy;
     }
 
-    /* Is there space for so many elements? An Output that is left out has space for all. */
+    /* Is there space for so many elements, in rows that do not overlap? One that is left out has space for all. */
     bool fits(size_t columns, size_t row_count) const {
         if (!data_ || !columns || !row_count) return true;
-        const size_t row = row_stride_ ? row_stride_ : columns * stride_;
-        return (row_count - 1) * row + (columns - 1) * stride_ + N * sizeof(S) <= size_;
+        size_t left = size_; /* divided, as products may be beyond size_t */
+        const auto take = [&left](size_t count, size_t bytes) {
+            return count == 0 || (bytes <= left / count && (left -= count * bytes, true));
+        };
+        if (!take(1, N * sizeof(S)) || !take(columns - 1, stride_)) return false;
+        if (row_count == 1) return true;
+        if (!row_stride_) return take(row_count - 1, stride_) && take(row_count - 1, (columns - 1) * stride_);
+        return take(row_count - 1, row_stride_) && !rows_overlap(columns, row_count);
     }
 
     mlrt_array array() const {
@@ -241,7 +295,8 @@ template <class S, size_t N = 1> class Output {
 
 /*
  * Functions for options.host: `options.host = host.get()`. Set those that you need, before. It must live until the call
- * returns, and with `allocate` until everything that was made with it is destroyed.
+ * returns, and with `allocate` until everything that was made with it is destroyed. Several calls may use it at once;
+ * an exception is thrown again by one of them, which need not be the one whose function it left.
  */
 class Host {
     mutable mlrt_host c_;
@@ -287,11 +342,14 @@ class Host {
     Host &operator=(const Host &) = delete;
 
     const mlrt_host *get() const {
-        c_.user = const_cast<Host *>(this);
-        c_.allocate = allocate ? call_allocate : nullptr;
-        c_.free = free ? call_free : nullptr;
-        c_.log = log ? call_log : nullptr;
-        c_.progress = progress ? call_progress : nullptr;
+        mlrt_host c = make<mlrt_host>();
+        c.user = const_cast<Host *>(this);
+        c.allocate = allocate ? call_allocate : nullptr;
+        c.free = free ? call_free : nullptr;
+        c.log = log ? call_log : nullptr;
+        c.progress = progress ? call_progress : nullptr;
+        const std::lock_guard<std::mutex> lock(mutex_);
+        if (std::memcmp(&c, &c_, sizeof c) != 0) c_ = c; /* else calls of other threads may be reading it */
         return &c_;
     }
 
@@ -361,17 +419,20 @@ class Pool {
     std::unique_ptr<mlrt_pool, detail::Destroy> handle;
 
     static void *enqueue(void *user, mlrt_task_function function, void *argument) {
-        const auto task = std::make_shared<detail::Task>(function, argument);
         const Executor &execute = *static_cast<const Executor *>(user);
+        std::unique_ptr<std::shared_ptr<detail::Task>> kept;
 #if MLRT_EXCEPTIONS
         try {
-            execute([task] { task->run(); });
-        } catch (...) { // finish runs a job that got lost
-        }
-#else
-        execute([task] { task->run(); });
 #endif
-        return new std::shared_ptr<detail::Task>(task);
+            const auto task = std::make_shared<detail::Task>(function, argument);
+            kept.reset(new std::shared_ptr<detail::Task>(task));
+            execute([task] { task->run(); });
+#if MLRT_EXCEPTIONS
+        } catch (...) {                   // finish runs a job that got lost
+            if (!kept) function(argument); // no memory for one
+        }
+#endif
+        return kept.release();
     }
     static void finish(void *, void *handle) {
         const std::unique_ptr<std::shared_ptr<detail::Task>> task(static_cast<std::shared_ptr<detail::Task> *>(handle));
@@ -398,6 +459,7 @@ class Pool {
     }
     /* No threads: `executor` runs `jobs` - 1 at a time at most, and the calling thread works, too. */
     static Result<Pool> try_create(uint32_t jobs, Executor executor) {
+        if (!executor) return Status(MLRT_ERROR_ARGUMENT, "executor: it is empty");
         std::unique_ptr<Executor> kept(new Executor(std::move(executor)));
         mlrt_pool_options options = make<mlrt_pool_options>();
         options.thread_count = jobs, options.user = kept.get(), options.enqueue = enqueue, options.finish = finish;
@@ -458,7 +520,8 @@ struct Rays {
 
     /* How many there are: as many as directions, or as origins if one direction serves all. */
     size_t count() const {
-        return directions.serves_all() ? origins.count() * (rays_per_origin ? rays_per_origin : 1) : directions.count();
+        return directions.serves_all() ? detail::product(origins.count(), rays_per_origin ? rays_per_origin : 1)
+                                       : directions.count();
     }
 };
 
@@ -544,8 +607,8 @@ struct HitLists {
     std::vector<uint32_t> total, crossing_total;
 
     explicit HitLists(size_t rays = 0, uint32_t per_ray = 0)
-        : capacity(per_ray), t(rays * per_ray), u(t.size()), v(t.size()), mesh(t.size()), triangle(t.size()),
-          facing(t.size()), crossing(t.size()), total(rays), crossing_total(rays) {}
+        : capacity(per_ray), t(detail::product(rays, per_ray)), u(t.size()), v(t.size()), mesh(t.size()),
+          triangle(t.size()), facing(t.size()), crossing(t.size()), total(rays), crossing_total(rays) {}
     HitListArrays arrays() {
         HitListArrays a;
         a.capacity = capacity;
@@ -586,7 +649,7 @@ struct Camera : mlrt_camera {
     /* The very rays that render traces, row by row. */
     Status try_rays(Output<float, 3> origins, Output<float, 3> directions) const {
         if (!origins.fits(columns(), rows()) || !directions.fits(columns(), rows()))
-            return Status(MLRT_ERROR_ARGUMENT, "an array is shorter than the rays of the camera");
+            return Status(MLRT_ERROR_ARGUMENT, "an array is shorter than the rays of the camera, or its rows overlap");
         const mlrt_array from = origins.array(), along = directions.array();
         return Status::of(mlrt_camera_rays(this, &from, &along));
     }
@@ -656,7 +719,9 @@ inline Status convert(const Rays &from, mlrt_rays &to) {
     return lengths.result();
 }
 
-inline Status too_short() { return Status(MLRT_ERROR_ARGUMENT, "an array of results is shorter than the results"); }
+inline Status too_short() {
+    return Status(MLRT_ERROR_ARGUMENT, "an array of results is shorter than the results, or its rows overlap");
+}
 
 } // namespace detail
 
@@ -765,7 +830,6 @@ class Tree {
         const Status status = detail::convert(rays, from);
         if (!status) return status;
         if (!hits.fits(from.count, 1)) return detail::too_short();
-        if (!from.count) return Status(); // empty containers have no arrays
         const mlrt_hits to = hits.c();
         return detail::ended(mlrt_trace_packet(get(), &from, &options, &to), options.host);
     }
@@ -795,12 +859,11 @@ class Tree {
         mlrt_rays from;
         const Status status = detail::convert(rays, from);
         if (!status) return status;
-        const size_t n = from.count * lists.capacity;
+        const size_t n = detail::product(from.count, lists.capacity);
         if (!lists.t.fits(n, 1) || !lists.u.fits(n, 1) || !lists.v.fits(n, 1) || !lists.mesh.fits(n, 1) ||
             !lists.triangle.fits(n, 1) || !lists.facing.fits(n, 1) || !lists.crossing.fits(n, 1) ||
             !lists.total.fits(from.count, 1) || !lists.crossing_total.fits(from.count, 1))
             return detail::too_short();
-        if (!from.count) return Status();
         mlrt_hit_lists to = make<mlrt_hit_lists>();
         to.capacity = lists.capacity;
         if (lists.capacity) {
@@ -836,8 +899,9 @@ class Tree {
         from.skip = lengths("points.skip", points.skip, from.count);
         if (!lengths.result()) return lengths.result();
         if (!occluded.fits(from.count, 1)) return detail::too_short();
-        if (!from.count) return Status();
-        const mlrt_array to = occluded.array();
+        uint8_t none;
+        mlrt_array to = occluded.array();
+        if (!from.count) to.data = &none; /* an empty container has no array */
         return detail::ended(mlrt_occluded_points(get(), &from, &light, &options, &to), options.host);
     }
 
@@ -880,6 +944,7 @@ class Tree {
     }
     /* The closest hit of each ray. */
     Hits trace(const Rays &rays, TraceOptions options = TraceOptions()) const {
+        detail::check_count("rays.count", rays.count()).check();
         Hits hits(rays.count());
         options.query = MLRT_QUERY_CLOSEST;
         trace(rays, hits.arrays(), options);
@@ -891,6 +956,7 @@ class Tree {
     }
     /* 1 for each ray that hits anything, else 0. */
     std::vector<uint8_t> occluded(const Rays &rays, TraceOptions options = TraceOptions()) const {
+        detail::check_count("rays.count", rays.count()).check();
         std::vector<uint8_t> answers(rays.count());
         HitArrays arrays;
         arrays.occluded = answers;
@@ -908,6 +974,7 @@ class Tree {
         try_all_hits(rays, lists, options).check();
     }
     HitLists all_hits(const Rays &rays, uint32_t capacity, const TraceOptions &options = TraceOptions()) const {
+        detail::check_count("rays.count", rays.count()).check();
         HitLists lists(rays.count(), capacity);
         all_hits(rays, lists.arrays(), options);
         return lists;
@@ -918,7 +985,9 @@ class Tree {
     }
     /* The closest hits of a camera's pixels, row by row. */
     Hits render(const Camera &camera, const TraceOptions &options = TraceOptions()) const {
-        Hits hits(camera.columns() * camera.rows());
+        const size_t n = detail::product(camera.columns(), camera.rows());
+        if (!detail::check_count("", n)) camera.rays(Output<float, 3>(), Output<float, 3>()); /* throws what is wrong */
+        Hits hits(n);
         if (!hits.size()) Status(MLRT_ERROR_CAMERA, "camera: it has no pixels").check();
         const HitArrays arrays = hits.arrays();
         render(camera, &arrays, nullptr, options);
@@ -926,6 +995,7 @@ class Tree {
     }
     std::vector<uint8_t> occluded_points(const Points &points, const Light &light,
                                          const TraceOptions &options = TraceOptions()) const {
+        detail::check_count("points.count", points.positions.count()).check();
         std::vector<uint8_t> occluded(points.positions.count());
         try_occluded_points(points, light, occluded, options).check();
         return occluded;

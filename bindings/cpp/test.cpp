@@ -11,6 +11,7 @@
 #include <cstring>
 #include <iterator>
 #include <limits>
+#include <new>
 #include <thread>
 #include <type_traits>
 #include <utility>
@@ -23,6 +24,22 @@ static_assert(!std::is_copy_constructible<mlrt::Tree>::value && !std::is_copy_as
 static_assert(std::is_nothrow_move_constructible<mlrt::Tree>::value, "");
 
 typedef std::array<float, 3> Point;
+typedef std::array<int32_t, 3> Integers;
+
+// Elements that say what their numbers are must say the right thing.
+static_assert(std::is_constructible<mlrt::Input<float, 3>, const std::vector<Point> &>::value, "points");
+static_assert(std::is_constructible<mlrt::Input<uint32_t, 3>, const std::vector<Integers> &>::value, "triangles");
+static_assert(!std::is_constructible<mlrt::Input<uint32_t, 3>, const std::vector<Point> &>::value, "not triangles");
+static_assert(!std::is_constructible<mlrt::Input<float, 3>, const std::vector<Integers> &>::value, "not points");
+static_assert(!std::is_constructible<mlrt::Input<uint32_t, 2>, const std::vector<void *> &>::value, "not ids");
+static_assert(!std::is_constructible<mlrt::Output<float>, std::vector<std::array<int32_t, 1>> &>::value, "not floats");
+static_assert(mlrt::detail::IsElement<float, float, 1>::value &&
+                  mlrt::detail::IsElement<const float[3], float, 3>::value &&
+                  mlrt::detail::IsElement<mlrt::Hit, uint32_t, 6>::value,
+              "a number, an array, and a struct that does not say what it has");
+static_assert(!mlrt::detail::IsElement<int32_t, float, 1>::value && !mlrt::detail::IsElement<int[3], float, 3>::value &&
+                  !mlrt::detail::IsElement<Point, float, 2>::value,
+              "other numbers, and more of them");
 
 static void require(bool fact, const char *what) {
     if (fact) return;
@@ -72,9 +89,21 @@ static void without_exceptions(const Arrays &arrays) {
     require(!failed && failed.code() == MLRT_ERROR_INDEX_RANGE && !failed.message().empty(), "index out of range");
     require(failed.text().find(mlrt_status_string(MLRT_ERROR_INDEX_RANGE)) == 0, "a text with the meaning");
     require(mlrt::Pool::try_create(5000).code() == MLRT_ERROR_ARGUMENT, "too many threads");
+    require(mlrt::Pool::try_create(4, mlrt::Pool::Executor()).code() == MLRT_ERROR_ARGUMENT, "an empty executor");
     require(mlrt::Tree().try_trace(arrays.rays(), hits.arrays()).code() == MLRT_ERROR_ARGUMENT, "an empty tree");
     hits = mlrt::Hits(SCENE_RAYS - 1);
     require(tree.value.try_trace(arrays.rays(), hits.arrays()).code() == MLRT_ERROR_ARGUMENT, "short results");
+    mlrt::HitArrays packed;
+    packed.t = mlrt::Output<float>(hits.t.data(), 16, 0);
+    require(tree.value.try_trace(arrays.rays(), packed).code() == MLRT_ERROR_ARGUMENT, "short packed results");
+
+    // With strides beyond memory, sizes are not those modulo 2^64.
+    const size_t quarter = std::numeric_limits<size_t>::max() / 4 + 1;
+    const mlrt::Output<float> far(hits.t.data(), 16, quarter), packed_rows(hits.t.data(), 16);
+    require(far.fits(1, 1) && !far.fits(5, 1) && !packed_rows.rows(quarter).fits(1, 5), "sizes beyond memory");
+    require(packed_rows.fits(2, 2) && !packed_rows.fits(2, 3) && !packed_rows.fits(quarter, quarter), "packed rows");
+    require(!packed_rows.rows(4).fits(2, 3), "rows that overlap");
+    require(mlrt::Output<float>(hits.t.data(), 24, 12).rows(4).fits(2, 3), "rows within each other");
 }
 
 #if MLRT_EXCEPTIONS
@@ -84,6 +113,19 @@ static const std::vector<Point> walls = {{{-9, -9, 5}}, {{9, -9, 5}}, {{0, 9, 5}
                                          {{-9, -9, 8}}, {{9, -9, 8}}, {{0, 9, 8}}};
 static const Point zero = {{0, 0, 0}}, along_z = {{0, 0, 1}};
 static const float infinity = std::numeric_limits<float>::infinity();
+
+// Allocations by `new` of this thread that succeed before the others fail; negative: all succeed.
+static thread_local int allocations = -1;
+
+void *operator new(size_t size) {
+    if (allocations == 0) throw std::bad_alloc();
+    if (allocations > 0) allocations--;
+    void *block = std::malloc(size ? size : 1);
+    if (!block) throw std::bad_alloc();
+    return block;
+}
+void operator delete(void *block) noexcept { std::free(block); }
+void operator delete(void *block, size_t) noexcept { std::free(block); }
 
 // The status of what `call` throws, whose text must contain `words`.
 template <class Call> static int32_t status_of(Call call, const char *words) {
@@ -111,6 +153,32 @@ static void errors(const Arrays &arrays) {
             "one origin");
     const mlrt::Hits hits = tree.trace(arrays.rays());
     require(tree.trace(mlrt::Rays()).size() == 0 && tree.all_hits(mlrt::Rays(), 2).total.empty(), "no rays");
+    const mlrt::Points no_points{mlrt::Input<float, 3>()};
+    const mlrt::Light light = mlrt::Light::point(zero);
+    require(tree.occluded(mlrt::Rays()).empty() && tree.occluded_points(no_points, light).empty(), "no rays or points");
+    const auto of_none = [&](const mlrt::Tree &t) {
+        return status_of([&] { t.trace(mlrt::Rays()); }, "tree: NULL") == MLRT_ERROR_ARGUMENT &&
+               status_of([&] { t.all_hits(mlrt::Rays(), 2); }, "tree: NULL") == MLRT_ERROR_ARGUMENT &&
+               status_of([&] { t.occluded_points(no_points, light); }, "tree: NULL") == MLRT_ERROR_ARGUMENT;
+    };
+    require(of_none(mlrt::Tree()), "no rays through an empty tree");
+    mlrt::Rays unlimited = arrays.rays();
+    std::vector<float> cleared(8);
+    cleared.clear();
+    unlimited.t_max = cleared;
+    require(hash_of(tree.trace(unlimited)) == hash_of(hits), "an empty container is left out, also one with memory");
+
+    // Too many results are an error before memory is taken for them.
+    mlrt::Rays many(mlrt::Input<float, 3>::all(zero), mlrt::Input<float, 3>::all(along_z));
+    many.rays_per_origin = 0xFFFFFFFF;
+    require(status_of([&] { tree.trace(many); }, "rays.count") == MLRT_ERROR_TOO_LARGE, "too many rays");
+    require(status_of([&] { tree.occluded(many); }, "rays.count") == MLRT_ERROR_TOO_LARGE, "too many rays");
+    require(status_of([&] { tree.all_hits(many, 1); }, "rays.count") == MLRT_ERROR_TOO_LARGE, "too many rays");
+    mlrt::Camera wide;
+    wide.width = wide.height = 1 << 23, wide.dx[0] = wide.dy[1] = wide.d00[2] = 1;
+    require(status_of([&] { tree.render(wide); }, "more pixels") == MLRT_ERROR_TOO_LARGE, "too many pixels");
+    wide.width = wide.height = 0xFFFFFFFF;
+    require(status_of([&] { tree.render(wide); }, "camera.width") == MLRT_ERROR_TOO_LARGE, "too many pixels");
     require(status_of([&] { tree.render(mlrt::Camera()); }, "") == MLRT_ERROR_CAMERA, "a camera without pixels");
     mlrt::Tree moved(std::move(tree)), other{std::vector<mlrt_mesh>()};
     require(status_of([&] { tree.trace(arrays.rays()); }, "") == MLRT_ERROR_ARGUMENT, "a moved-from tree");
@@ -418,6 +486,14 @@ static void executors(const Arrays &arrays) {
         mlrt::TraceOptions options;
         options.set(*pool).initial_tile_size = 16, options.outputs = MLRT_OUTPUT_T;
         for (int i = 0; i < 20; i++) require(hash_of(tree.trace(arrays.rays(), options)) == hash, "an executor");
+        // Jobs for which there is no memory.
+        mlrt::Hits hits(SCENE_RAYS);
+        for (int succeed = 0; succeed < 4; succeed++) {
+            allocations = succeed;
+            const bool is_done = bool(tree.try_trace(arrays.rays(), hits.arrays(), options));
+            allocations = -1;
+            require(is_done && hash_of(hits) == hash, "an executor without memory");
+        }
         // Within a job: no thread waits for one that waits for it.
         tree.render(
             camera_of_walls(), nullptr,
