@@ -765,7 +765,7 @@ static void the_deepest_trees(void **state)
                                    .intersection_cost = 1e3f};
     struct fixture fixture = make_fixture_with("deep", 44, &mesh, 1, &options);
     free_soup(&soup);
-    add_mixed_rays(&list, &random, &fixture, scaled(1500), -1, 1);
+    add_mixed_rays(&list, &random, &fixture, scaled(800), -1, 1);
     for (int i = 0; i < 120; i++) {
         float origin[3] = {2, 2, 2}, target[3];
         draw_point(&random, 0.5f, 1, target);

@@ -265,7 +265,7 @@ static void mixed_scales(void **state)
         soup_add_random(&soup, &random, 30, scales[i], scales[i] * 0.4f);
     struct fixture fixture = fixture_of_soup("mixed scales", 300, &soup);
     for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++)
-        add_mixed_rays(&list, &random, &fixture, scaled(200), -2 * scales[i], 2 * scales[i]);
+        add_mixed_rays(&list, &random, &fixture, scaled(120), -2 * scales[i], 2 * scales[i]);
     check_rays(&fixture, &list);
     free_rays(&list);
     free_fixture(&fixture);
@@ -304,13 +304,13 @@ static void arbitrary_bits(void **state)
         soup_add_triangle(&soup, p[0], p[1], p[2]);
     }
     struct fixture fixture = fixture_of_soup("arbitrary bits", 500, &soup);
-    for (size_t i = 0; i < scaled(300); i++) {
+    for (size_t i = 0; i < scaled(160); i++) {
         float p[2][3];
         for (int k = 0; k < 6; k++) p[k / 3][k % 3] = draw_finite(&random);
         add_ray(&list, p[0], p[1]);
     }
-    add_aimed_rays(&list, &random, &fixture, scaled(300), -1e38f, 1e38f);
-    add_aimed_rays(&list, &random, &fixture, scaled(300), -1, 1);
+    add_aimed_rays(&list, &random, &fixture, scaled(160), -1e38f, 1e38f);
+    add_aimed_rays(&list, &random, &fixture, scaled(160), -1, 1);
     check_rays(&fixture, &list);
     free_rays(&list);
     free_fixture(&fixture);

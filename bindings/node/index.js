@@ -65,7 +65,6 @@ function whole(value, what, fallback = 0) {
     return value;
 }
 
-
 function number(value, what, fallback = 0) {
     if (value === undefined) return fallback;
     if (typeof value !== 'number') throw new TypeError(`${what}: a number is needed`);

@@ -39,7 +39,7 @@ const struct mlrt_surface *mlrt_look_up_surface(const struct mlrt_job *light, ui
                                                 struct mlrt_kept_surface table[MLRT_KEPT_SURFACES])
 {
     struct mlrt_kept_surface *kept = &table[number % MLRT_KEPT_SURFACES];
-    if (kept->number == number && kept->light == light) return &kept->surface;
+    if (kept->light == light && kept->number == number) return &kept->surface;
     const struct mlrt_triangle triangle = mlrt_triangle_at(&light->tree->by_number, number);
     mlrt_find_surface(&light->source, &triangle, eye, &kept->surface);
     kept->light = light;
