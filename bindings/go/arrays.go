@@ -6,6 +6,7 @@ package mlrt
 import "C"
 
 import (
+	"math"
 	"reflect"
 	"runtime"
 	"unsafe"
@@ -132,6 +133,15 @@ func (a Array[T]) output(pinner *runtime.Pinner, name string, columns, rows int)
 	}
 	array.data, array.stride, array.row_stride = a.pin(pinner), C.size_t(a.stride), C.size_t(a.rowStride)
 	return array, nil
+}
+
+// word is a number for the C interface. One that does not fit, of which C would take the low bits, becomes the greatest:
+// the library refuses that where it is not a mere hint.
+func word(value int) C.uint32_t {
+	if value < 0 || uint64(value) > math.MaxUint32 {
+		return math.MaxUint32
+	}
+	return C.uint32_t(value)
 }
 
 // first keeps the first error of several.

@@ -141,11 +141,25 @@ func TestErrorsSayWhatIsWrong(t *testing.T) {
 	status(t, err, mlrt.IndexRange, "triangle 1: vertex index 6")
 	_, err = mlrt.NewPool(5000)
 	status(t, err, mlrt.Argument, "thread_count: 5000")
+	for _, number := range []int{-1, 1<<32 + 1} { // of which C would take the low bits
+		_, err = mlrt.NewPool(number)
+		status(t, err, mlrt.Argument, "thread_count")
+	}
 	tree := build(t, mlrt.Mesh{Vertices: mlrt.Slice(walls)})
 	_, err = tree.Trace(ctx, mlrt.NewRays(make([][3]float32, 2), make([][3]float32, 1)), nil)
 	status(t, err, mlrt.Argument, "rays.Origins: 2 elements, where 1")
 	rays := mlrt.NewRays(make([][3]float32, 2), make([][3]float32, 2))
 	status(t, tree.TraceInto(ctx, rays, nil, mlrt.HitArrays{T: mlrt.Slice(make([]float32, 1))}), mlrt.Argument, "hits.T")
+	for _, capacity := range []int{-1, 1<<32 + 1, 1 << 62} {
+		_, err = tree.AllHits(ctx, rays, nil, capacity)
+		status(t, err, mlrt.Argument, "capacity")
+		lists := mlrt.HitListArrays{Capacity: capacity, T: mlrt.Slice(make([]float32, 2))}
+		status(t, tree.AllHitsInto(ctx, rays, nil, lists), mlrt.Argument, "capacity")
+	}
+	shared := mlrt.Rays{Origins: rays.Origins, Directions: mlrt.All([3]float32{0, 0, 1}), RaysPerOrigin: 1 << 33}
+	status(t, tree.TraceInto(ctx, shared, nil, mlrt.HitArrays{T: mlrt.Slice(make([]float32, 2))}), mlrt.Argument, "hits.T")
+	_, err = tree.Trace(ctx, rays, &mlrt.TraceOptions{InitialTileSize: 1<<32 + 16})
+	status(t, err, mlrt.Argument, "initial_tile_size")
 	_, err = tree.Trace(ctx, rays, &mlrt.TraceOptions{InitialTileSize: 5})
 	status(t, err, mlrt.Argument, "initial_tile_size: 5")
 	_, err = tree.Trace(ctx, rays, &mlrt.TraceOptions{Method: mlrt.Packet2})

@@ -23,7 +23,7 @@ type Pool struct {
 // NewPool makes a pool of `threads` threads at work, the calling one included; 0 = one per processor.
 func NewPool(threads int) (*Pool, error) {
 	pool := &Pool{}
-	if err := check(C.bridge_create_pool(C.uint32_t(threads), &pool.handle)); err != nil {
+	if err := check(C.bridge_create_pool(word(threads), &pool.handle)); err != nil {
 		return nil, err
 	}
 	runtime.SetFinalizer(pool, (*Pool).Close)
@@ -40,7 +40,7 @@ func NewGoroutinePool(jobs int) (*Pool, error) {
 // job that does not begin in time is done by the call that it belongs to, and then does nothing.
 func NewExecutorPool(jobs int, execute func(job func())) (*Pool, error) {
 	pool := &Pool{executor: cgo.NewHandle(execute)}
-	err := check(C.bridge_create_pool_with_executor(C.uint32_t(jobs), C.uintptr_t(pool.executor), &pool.handle))
+	err := check(C.bridge_create_pool_with_executor(word(jobs), C.uintptr_t(pool.executor), &pool.handle))
 	if err != nil {
 		pool.executor.Delete()
 		return nil, err

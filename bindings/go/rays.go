@@ -87,7 +87,7 @@ func (rays *Rays) toC(pinner *runtime.Pinner) (out *C.mlrt_rays, err error) {
 	in := collect[C.mlrt_const_array](&f)
 	out = &C.mlrt_rays{
 		struct_size:     C.sizeof_mlrt_rays,
-		row_length:      C.uint32_t(rays.RowLength),
+		row_length:      word(rays.RowLength),
 		count:           C.size_t(n),
 		origins:         in(rays.Origins.input(pinner, "rays.Origins", n/shared)),
 		directions:      in(rays.Directions.input(pinner, "rays.Directions", n)),
@@ -95,7 +95,7 @@ func (rays *Rays) toC(pinner *runtime.Pinner) (out *C.mlrt_rays, err error) {
 		t_max:           in(rays.TMax.input(pinner, "rays.TMax", n)),
 		skip:            in(rays.Skip.input(pinner, "rays.Skip", n/shared)),
 		mask:            in(rays.Mask.input(pinner, "rays.Mask", n)),
-		rays_per_origin: C.uint32_t(rays.RaysPerOrigin),
+		rays_per_origin: word(rays.RaysPerOrigin),
 	}
 	return out, f.err
 }
@@ -249,13 +249,24 @@ type HitListArrays struct {
 	CrossingTotal  Array[uint32]
 }
 
+// checkCapacity fails where n lists of `capacity` hits are no number of elements.
+func checkCapacity(n, capacity int) error {
+	if capacity < 0 || uint64(capacity) > math.MaxUint32 || capacity > 0 && n > math.MaxInt/4/capacity {
+		return argumentError("capacity: no lists of %d hits for %d rays", capacity, n)
+	}
+	return nil
+}
+
 func (lists *HitListArrays) toC(pinner *runtime.Pinner, n int) (out *C.mlrt_hit_lists, err error) {
 	var f first
 	array := collect[C.mlrt_array](&f)
+	if err := checkCapacity(n, lists.Capacity); err != nil {
+		return nil, err
+	}
 	all := n * lists.Capacity
 	out = &C.mlrt_hit_lists{
 		struct_size:    C.sizeof_mlrt_hit_lists,
-		capacity:       C.uint32_t(lists.Capacity),
+		capacity:       word(lists.Capacity),
 		t:              array(lists.T.output(pinner, "lists.T", all, 1)),
 		u:              array(lists.U.output(pinner, "lists.U", all, 1)),
 		v:              array(lists.V.output(pinner, "lists.V", all, 1)),

@@ -49,7 +49,7 @@ func (o *KdTreeOptions) toC(pool *C.mlrt_pool) *C.mlrt_kdtree_options {
 		intersection_cost: C.float(o.IntersectionCost),
 		memory_limit:      C.uint64_t(o.MemoryLimit),
 		max_references:    C.uint64_t(o.MaxReferences),
-		max_depth:         C.uint32_t(o.MaxDepth),
+		max_depth:         word(o.MaxDepth),
 		rules_off:         C.uint32_t(o.RulesOff),
 		pool:              pool,
 	}
@@ -272,8 +272,8 @@ func (tree *Tree) with(ctx context.Context, options *TraceOptions, query Query, 
 		if options.CullingCheck {
 			o.culling_check = 1
 		}
-		o.initial_tile_size, o.minimum_tile_size = C.uint32_t(options.InitialTileSize), C.uint32_t(options.MinimumTileSize)
-		o.split_factor, o.outputs = C.uint32_t(options.SplitFactor), C.uint32_t(options.Outputs)
+		o.initial_tile_size, o.minimum_tile_size = word(options.InitialTileSize), word(options.MinimumTileSize)
+		o.split_factor, o.outputs = word(options.SplitFactor), C.uint32_t(options.Outputs)
 		o.shortcuts_off, o.mask, o.pool = C.uint32_t(options.ShortcutsOff), C.uint32_t(options.Mask), pool
 		if options.Counters != nil {
 			options.Counters.mutex.Lock()
@@ -380,6 +380,9 @@ func (tree *Tree) one(ray *Ray, options *TraceOptions, query Query) (C.mlrt_hit,
 // AllHits finds all hits of each ray, in order, `capacity` at most; the totals count those beyond it, too.
 func (tree *Tree) AllHits(ctx context.Context, rays Rays, options *TraceOptions, capacity int) (*HitLists, error) {
 	n := rays.Len()
+	if err := checkCapacity(n, capacity); err != nil {
+		return nil, err
+	}
 	hits := newHits(n * capacity)
 	lists := &HitLists{
 		Capacity: capacity, T: hits.T, U: hits.U, V: hits.V, Mesh: hits.Mesh, Triangle: hits.Triangle, Facing: hits.Facing,
@@ -481,7 +484,7 @@ func (tree *Tree) OccludedPointsInto(ctx context.Context, points Points, light L
 	in := collect[C.mlrt_const_array](&f)
 	from := C.mlrt_points{
 		struct_size: C.sizeof_mlrt_points,
-		row_length:  C.uint32_t(points.RowLength),
+		row_length:  word(points.RowLength),
 		count:       C.size_t(n),
 		positions:   in(points.Positions.input(&pinner, "points.Positions", n)),
 		skip:        in(points.Skip.input(&pinner, "points.Skip", n)),
