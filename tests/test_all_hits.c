@@ -389,7 +389,8 @@ static void no_rays_at_all(void **state)
     free_fixture(&fixture);
 }
 
-/* Packed arrays that end at the end of a page: hit j of ray i is element i * capacity + j, and nothing else is written.
+/*
+ * Packed arrays that end at the end of a page: hit j of ray i is element i * capacity + j, and nothing else is written.
  */
 static void packed_arrays(void **state)
 {

@@ -250,7 +250,8 @@ static void draw_camera_axes(struct random *random, int main_axis, mlrt_camera *
     }
 }
 
-/* A small crop, often far off: then d00 and x dx nearly cancel, and the pixels' vectors are what rounding makes them.
+/*
+ * A small crop, often far off: then d00 and x dx nearly cancel, and the pixels' vectors are what rounding makes them.
  */
 static void add_camera(struct beam_case *the, int main_axis)
 {
@@ -366,7 +367,8 @@ static void add_vertex_touch(struct beam_case *the, const struct limb *limb, con
     soup_add_triangle(&the->soup, corners[turn], corners[(turn + 1) % 3], corners[(turn + 2) % 3]);
 }
 
-/* An edge whose middle is p; exactly, unless a binade ends within it. It may lean along the rays and across the tile.
+/*
+ * An edge whose middle is p; exactly, unless a binade ends within it. It may lean along the rays and across the tile.
  */
 static void add_edge_touch(struct beam_case *the, const struct limb *limb, const float p[3])
 {
@@ -574,7 +576,8 @@ static void edges_that_pass_an_axis_too_closely_to_tell(void **state)
     }
 }
 
-/* Plates across the tile, some in one plane, some an ulp apart, some not quite parallel, and limits of t next to them.
+/*
+ * Plates across the tile, some in one plane, some an ulp apart, some not quite parallel, and limits of t next to them.
  */
 static void plates_an_ulp_apart(void **state)
 {
@@ -768,7 +771,8 @@ static void add_lattice(struct beam_case *the)
     }
 }
 
-/* Small integers: origins in planes of the tree and on vertices, rays along cells without thickness and through edges.
+/*
+ * Small integers: origins in planes of the tree and on vertices, rays along cells without thickness and through edges.
  */
 static void boxes_and_eyes_on_a_lattice(void **state)
 {

@@ -266,7 +266,8 @@ static void find_d_and_n(mpf_t d, mpf_t n)
 
 /* ---- the float filter -------------------------------------------------------------------------------------------- */
 
-/* A 16th input says which axis counts as the main one: each of the three must do, also one that rays hardly go along.
+/*
+ * A 16th input says which axis counts as the main one: each of the three must do, also one that rays hardly go along.
  */
 #define FILTER_INPUTS 16
 
@@ -1026,7 +1027,8 @@ static double attack_camera_slope(const float *input)
 
 /* ---- cells ------------------------------------------------------------------------------------------------------- */
 
-/* Inputs as of the camera: how far beyond the slopes of a cell's corners its rays go, of the way to the cell's bounds.
+/*
+ * Inputs as of the camera: how far beyond the slopes of a cell's corners its rays go, of the way to the cell's bounds.
  */
 static double attack_camera_cell(const float *input)
 {

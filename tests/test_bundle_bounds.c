@@ -1273,7 +1273,8 @@ static double attack_apex_line(const float *input)
     return lines_over(input, 0);
 }
 
-/* Numbers of one size, of sizes 2^-4 .. 2^4, 2^-24 .. 2^24 or any, or denormal, or points of two kinds; slopes up to 2.
+/*
+ * Numbers of one size, of sizes 2^-4 .. 2^4, 2^-24 .. 2^24 or any, or denormal, or points of two kinds; slopes up to 2.
  */
 static void draw_bundle(struct random *random, const struct bound *bound, float *input)
 {

@@ -250,7 +250,8 @@ static void add_targets(struct soup *soup, struct random *random, const mlrt_cam
     }
 }
 
-/* Walls across an axis, that cover all or a part, at depths that are neighbouring floats, or the same; some are cut up.
+/*
+ * Walls across an axis, that cover all or a part, at depths that are neighbouring floats, or the same; some are cut up.
  */
 static void add_walls(struct soup *soup, struct random *random, int axis, float sign)
 {

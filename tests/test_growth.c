@@ -32,8 +32,7 @@ static mlrt_tree *build_one(void)
     return tree;
 }
 
-/* ---- taking and giving ---------------------------------------------------------------------------------------------
- */
+/* ---- taking and giving ------------------------------------------------------------------------------------------- */
 
 struct sample {
     uint32_t struct_size;
@@ -123,8 +122,7 @@ static void results_are_as_long_as_the_callers_struct(void **state)
     assert_int_equal(given[4], 4);
 }
 
-/* ---- the interface -------------------------------------------------------------------------------------------------
- */
+/* ---- the interface ----------------------------------------------------------------------------------------------- */
 
 /* As the header of version 0.1 has them: without what was added since. */
 static void older_structs(void **state)
@@ -260,8 +258,7 @@ static void fields_that_the_query_does_not_write_stay(void **state)
     mlrt_destroy_tree(tree);
 }
 
-/* ---- before anything else ------------------------------------------------------------------------------------------
- */
+/* ---- before anything else ---------------------------------------------------------------------------------------- */
 
 static void sizes_of_structs(void **state)
 {

@@ -69,7 +69,8 @@ static void an_edge_shared_by_two_triangles(void **state)
     finish(&fixture, &list);
 }
 
-/* Integer coordinates: the rays pass through the vertex exactly. Closed fans around it, seen from where all is closed.
+/*
+ * Integer coordinates: the rays pass through the vertex exactly. Closed fans around it, seen from where all is closed.
  */
 static void a_vertex_of_a_fan(void **state)
 {

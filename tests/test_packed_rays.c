@@ -450,8 +450,7 @@ static void one_ray_of_a_tile(void **state)
     assert_true(uniform > 300);
 }
 
-/* ---- packets ------------------------------------------------------------------------------------------------------
- */
+/* ---- packets ----------------------------------------------------------------------------------------------------- */
 
 static void compare_lanes(const char *what, uint32_t place, uint32_t lanes, const void *one, const void *other)
 {

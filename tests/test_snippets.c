@@ -11,7 +11,8 @@
 
 #include "support.h"
 
-/* Copies what is in blocks marked ```c to `program`. Returns how many there are. The tests run in the project's root.
+/*
+ * Copies what is in blocks marked ```c to `program`. Returns how many there are. The tests run in the project's root.
  */
 static int copy_blocks(const char *path, FILE *program)
 {

@@ -445,7 +445,8 @@ static mlrt_counters count_work(const struct fixture *fixture, const struct ray_
     return counters;
 }
 
-/* Walls drawn twice: packets settle nearly all of it without the judge, and methods that count give the same answers.
+/*
+ * Walls drawn twice: packets settle nearly all of it without the judge, and methods that count give the same answers.
  */
 static void ties_rarely_go_to_the_judge(void **state)
 {

@@ -202,8 +202,8 @@ template <class S, size_t N = 1> class Input {
     template <class C, class E = detail::Element<const C>,
               class = typename std::enable_if<detail::Fits<E, S, N>::value>::type>
     Input(const C &container)
-        : data_(container.size() ? container.data() : nullptr),
-          count_(container.size() * sizeof(E) / (N * sizeof(S))), stride_(0) {}
+        : data_(container.size() ? container.data() : nullptr), count_(container.size() * sizeof(E) / (N * sizeof(S))),
+          stride_(0) {}
 
     /* One element, of one number or a struct of N of them, that serves all rays; it must live until the call returns. */
     template <class E> static Input all(const E &element) {
@@ -250,8 +250,7 @@ template <class S, size_t N = 1> class Output {
 
     template <class C, class E = detail::Element<C>,
               class = typename std::enable_if<!std::is_const<E>::value && detail::Fits<E, S, N>::value>::type>
-    Output(C &container)
-        : data_(container.size() ? container.data() : nullptr), size_(container.size() * sizeof(E)) {}
+    Output(C &container) : data_(container.size() ? container.data() : nullptr), size_(container.size() * sizeof(E)) {}
 
     /* A field of all structs: Output<float>::field(pixels, &Pixel::depth). */
     template <class C, class Struct, class Field> static Output field(C &structs, Field Struct::*member) {
@@ -428,7 +427,7 @@ class Pool {
             kept.reset(new std::shared_ptr<detail::Task>(task));
             execute([task] { task->run(); });
 #if MLRT_EXCEPTIONS
-        } catch (...) {                   // finish runs a job that got lost
+        } catch (...) {                    // finish runs a job that got lost
             if (!kept) function(argument); // no memory for one
         }
 #endif
