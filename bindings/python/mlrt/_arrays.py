@@ -25,13 +25,19 @@ def named(value: Any, names: dict[Any, int], what: str) -> int:
         raise ValueError(f"{what}: {value!r} is none of {', '.join(map(repr, names))}") from None
 
 
-def address(array: np.ndarray) -> int:
-    """Where an array's first element lies. The first way takes 0.25 us, `__array_interface__` 1.7 us."""
+def packed_address(array: np.ndarray) -> int:
+    """Where an array's first element lies; 0 if the array is read-only or empty, or has strides. Takes 0.25 us."""
     try:
-        return _addressof(_from_buffer(array))
-    except (TypeError, ValueError):  # read-only, empty, or with strides
-        start: int = array.__array_interface__["data"][0]
+        start: int = _addressof(_from_buffer(array))
         return start
+    except (TypeError, ValueError):
+        return 0
+
+
+def address(array: np.ndarray) -> int:
+    """Where an array's first element lies. `__array_interface__` takes 1.7 us."""
+    start: int = packed_address(array) or array.__array_interface__["data"][0]
+    return start
 
 
 def floats(values: Any) -> np.ndarray:

@@ -9,7 +9,7 @@ from typing import Any, Optional
 import numpy as np
 
 from ._abi import pack_hit_lists, pack_hits, pack_plain_hits
-from ._arrays import FLOAT, INT, UINT, address
+from ._arrays import FLOAT, INT, UINT, address, packed_address
 from .typing import Outputs
 from ._results import DTYPES, HIT_FIELDS, HitLists, Hits, check_names, make_hits
 
@@ -18,6 +18,7 @@ _NO_ARRAY = (0, 0, 0)
 Placed = tuple[int, np.ndarray]  # with its address
 
 _TYPES = (FLOAT, UINT, INT)
+_DTYPES_OF_HITS = tuple((DTYPES[name],) for name in Hits._fields)
 
 
 @lru_cache(maxsize=256)
@@ -51,6 +52,10 @@ def new_hits(outputs: Outputs, shape: tuple[int, ...], lights: Optional[int] = N
 
 def _caller_array(array: np.ndarray, name: str, dtypes: tuple[np.dtype, ...], shape: tuple[int, ...]) -> tuple[int, int, int]:
     """Address, stride and row stride of an array that the caller wants results in."""
+    if array.__class__ is np.ndarray and array.dtype in dtypes and array.shape == shape:
+        start = packed_address(array)
+        if start and start % array.itemsize == 0:
+            return start, 0, 0
     if not isinstance(array, np.ndarray) or array.dtype not in dtypes or array.shape != shape:
         raise ValueError(f"out: {name} must be an array of {dtypes[0]} and shape {shape}")
     if not array.flags.writeable:
@@ -79,31 +84,39 @@ def given_hits(
     if out.occluded is not None and lights is None:
         raise ValueError("out: occluded is for pictures with lights")
     fields: list[int] = []
+    written: list[Placed] = []
     arrays: tuple[Optional[np.ndarray], ...] = out
-    for name, array in zip(Hits._fields, arrays):
-        field = _NO_ARRAY if array is None else _caller_array(array, name, (DTYPES[name],), shape)
+    for array, name, dtypes in zip(arrays, Hits._fields, _DTYPES_OF_HITS):
+        if array is None:
+            fields += _NO_ARRAY
+            continue
+        field = _caller_array(array, name, dtypes, shape)
         if field[2] and not rows:
             raise ValueError(f"out: {name} must be contiguous, or have one axis")
         fields += field
-    _check_apart({name: array for name, array in zip(Hits._fields, arrays) if array is not None}, fields[::3], read)
+        written.append((field[0], array))
+    if _may_overlap(written, read):
+        _check_apart({name: array for name, array in zip(Hits._fields, arrays) if array is not None}, read)
     if out.occluded is not None and not lights:
         out.occluded[...] = 0
         fields[-3:] = _NO_ARRAY
     return pack_hits(0, *fields)
 
 
-def _check_apart(written: dict[str, np.ndarray], starts: list[int], read: Iterable[Placed]) -> None:
-    """Refuses arrays that results cannot be written to one by one, while `read` is read. starts: addresses, those of no array 0."""
-    placed = [*zip(filter(None, starts), written.values()), *read]
+def _may_overlap(written: list[Placed], read: Iterable[Placed]) -> bool:
+    """Does an array begin before another one ends that begins before it? They may have no elements in common even so."""
     end = 0
-    for start, last in sorted([(start, start + _extent(array)) for start, array in placed]):
+    for start, last in sorted([(start, start + _extent(array)) for start, array in [*written, *read]]):
         if start < end:
-            break
+            return True
         end = last
-    else:
-        return
+    return False
+
+
+def _check_apart(written: dict[str, np.ndarray], read: Iterable[Placed]) -> None:
+    """Refuses arrays that results cannot be written to one by one, while `read` is read."""
     names = list(written)
-    for place, name in enumerate(names):  # they lie within each other: have they elements in common?
+    for place, name in enumerate(names):
         for other in names[place + 1 :]:
             if np.shares_memory(written[name], written[other]):
                 raise ValueError(f"out: {name} and {other} share memory")
@@ -126,8 +139,8 @@ def occluded(
     field = _caller_array(array, "occluded", (np.dtype(np.bool_), np.dtype(np.uint8)), shape)
     if field[2]:
         raise ValueError("out: must be contiguous, or have one axis")
-    if out is not None:
-        _check_apart({"occluded": out}, [field[0]], read)
+    if out is not None and _may_overlap([(field[0], out)], read):
+        _check_apart({"occluded": out}, read)
     return array, pack_hits(0, *_NO_ARRAY * 6, *field)
 
 
