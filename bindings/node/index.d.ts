@@ -309,8 +309,8 @@ export interface RenderOptions extends TraceOptions, ResultOptions<Frame> {
 
 export interface TileOptions {
     /**
-     * Receives each tile once. Return false to end the render. No frame is written then, unless `into` is given. Until
-     * the promise is settled, calls that block throw if they have the same pool, and process.exit does not return.
+     * Receives each tile once, some milliseconds after it is done: until then it waits in memory. Return false to end the
+     * render. With `onTile` no frame is written, unless `into` is given.
      */
     onTile?: (tile: Tile) => boolean | void;
 }

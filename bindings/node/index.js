@@ -12,7 +12,7 @@
  */
 'use strict';
 const { promisify } = require('node:util');
-const { C, koffi, struct, types, tileCallback } = require('./native.js');
+const { C, koffi, struct, types } = require('./native.js');
 
 const NONE = 0xFFFFFFFF;
 
@@ -335,7 +335,7 @@ function frameSize({ width, height, crop_x, crop_y, crop_width, crop_height }) {
 
 const MESSAGE = 16, LOG = MESSAGE + 512; // places in `struct watch` of native.c
 const LEVELS = ['error', 'warning', 'info'];
-const PROGRESS_MS = 10;
+const POLL_MS = 10;
 
 /** The memory that a call and JavaScript share: `struct watch` of native.c. */
 class Watch {
@@ -356,6 +356,23 @@ class Watch {
         return text.toString('utf8', 0, text.indexOf(0));
     }
 
+    /** Hands the tiles that wait to a function, until it returns false or throws. Returns whether it did neither. */
+    deliver(onTile) {
+        for (let tile; (tile = C.nextTile(this.memory)) !== null;) {
+            try {
+                if (onTile(copyTile(koffi.decode(tile, types.mlrt_tile))) === false) return false;
+            } finally {
+                C.freeTile(tile);
+            }
+        }
+        return true;
+    }
+
+    /** Frees the tiles that wait. */
+    drop() {
+        for (let tile; (tile = C.nextTile(this.memory)) !== null;) C.freeTile(tile);
+    }
+
     /** Hands the lines that the call logged to a function. */
     report(onLog) {
         const text = Buffer.from(this.memory.buffer, LOG).toString('utf8', 0, this.#words[2]);
@@ -368,51 +385,53 @@ function finish(status, watch, { onLog }) {
     if (status !== 0) throw new MlrtError(status, watch.message);
 }
 
-/** How many renders with onTile, which need this thread to end, use a pool. */
-const renders = new WeakMap();
+/** Those of the calls that run on other threads. Node waits for them before it ends, so then they are cancelled. */
+const running = new Set();
+process.on('exit', () => running.forEach((watch) => watch.cancel()));
 
 /** Calls a function of native.c, which blocks. */
 function callSync(native, args, options) {
     for (const name of ['signal', 'onProgress', 'onTile']) {
         if (options[name]) throw new TypeError(`options.${name}: only calls that return a promise have it, since this one blocks`);
     }
-    if (options.pool && renders.get(options.pool)) {
-        throw new Error('options.pool: a render with onTile uses it, which needs this thread: await its promise first');
-    }
     const watch = new Watch();
     finish(native(...args, watch.memory), watch, options);
 }
 
-/** The same on a thread of Node's pool. `used`: objects that must not be closed until it ends. */
-async function callAsync(native, args, options, used = []) {
+/** The same on a thread of Node's pool. `used`: objects that must not be closed until it ends. `onTile` is of renders. */
+async function callAsync(native, args, options, used = [], onTile = undefined) {
     const { signal, onProgress } = options;
     signal?.throwIfAborted();
     const watch = new Watch();
     const cancel = () => watch.cancel();
-    let thrown;
-    const report = (fraction) => {
+    let thrown, stopped = false; // by a callback
+    const report = () => {
+        if (thrown || stopped) return;
         try {
-            onProgress(fraction);
+            if (onTile && !watch.deliver(onTile)) stopped = true;
+            else onProgress?.(watch.progress);
         } catch (error) {
-            thrown ??= { error };
-            cancel();
+            thrown = { error };
         }
+        if (thrown || stopped) cancel();
     };
-    const timer = onProgress && setInterval(() => report(watch.progress), PROGRESS_MS);
+    const timer = (onProgress || onTile) && setInterval(report, POLL_MS);
     signal?.addEventListener('abort', cancel, { once: true });
     used.forEach((object) => object.hold(1));
-    const rendering = options.onTile && options.pool;
-    if (rendering) renders.set(rendering, (renders.get(rendering) ?? 0) + 1);
+    running.add(watch);
     try {
         const status = await promisify(native.async)(...args, watch.memory);
+        clearInterval(timer);
+        if (onTile && status === 0) report(); // the last tiles
         if (thrown) throw thrown.error; // also of a call that had ended before it could be cancelled
         if (status === STATUS.CANCELLED && signal?.aborted) throw signal.reason;
-        finish(status, watch, options);
+        finish(stopped ? STATUS.CANCELLED : status, watch, options);
     } finally {
         clearInterval(timer);
         signal?.removeEventListener('abort', cancel);
         used.forEach((object) => object.hold(-1));
-        if (rendering) renders.set(rendering, renders.get(rendering) - 1);
+        running.delete(watch);
+        if (onTile) watch.drop();
         args.length = 0; // the arrays in it had to be reachable until now
     }
     if (onProgress) onProgress(1);
@@ -641,7 +660,7 @@ class Tree extends Handle {
         return arrays;
     }
 
-    #renders(camera, options, tile = null) {
+    #renders(camera, options, onTile = undefined) {
         const { query = 'closest', lights } = options;
         const any = choose(['closest', 'any'], query, 'options.query');
         const allowed = any ? ['occluded'] : lights?.length ? [...CLOSEST, 'occluded'] : CLOSEST;
@@ -650,12 +669,12 @@ class Tree extends Handle {
         for (const name of names) {
             if (!allowed.includes(name)) throw new RangeError(`outputs: ${name} is not one of ${allowed.join(', ')}`);
         }
-        const toTiles = tile ? names.reduce((bits, name) => bits | (OUTPUT_OF_TILE[name] ?? 0), 0) : 0;
+        const toTiles = onTile ? names.reduce((bits, name) => bits | (OUTPUT_OF_TILE[name] ?? 0), 0) : 0;
         // With tiles, a frame is written only if it is asked for by `into`.
-        const { arrays, members } = tile && !options.into ? { arrays: {} } : results(options, allowed, allowed, () => size);
+        const { arrays, members } = onTile && !options.into ? { arrays: {} } : results(options, allowed, allowed, () => size);
         if (members) keepApart(members, {});
         const frame = members ? struct('mlrt_hits', members) : null;
-        return { args: [this.#tree, picture, traceOptions(options, any, any ? 0 : toTiles), frame, tile], arrays };
+        return { args: [this.#tree, picture, traceOptions(options, any, any ? 0 : toTiles), frame, onTile ? 1 : 0], arrays };
     }
 
     renderSync(camera, options = {}) {
@@ -666,24 +685,9 @@ class Tree extends Handle {
 
     async render(camera, options = {}) {
         const { onTile } = options;
-        let thrown;
-        const tile = onTile ? koffi.register((user, pointer) => {
-            try {
-                return onTile(copyTile(koffi.decode(pointer, types.mlrt_tile))) === false ? 1 : 0;
-            } catch (error) {
-                thrown ??= { error };
-                return 1;
-            }
-        }, koffi.pointer(tileCallback)) : null;
-        try {
-            const { args, arrays } = this.#renders(camera, options, tile);
-            await callAsync(C.renderTiles, args, options, usedBy(this, options));
-            return arrays;
-        } catch (error) {
-            throw thrown ? thrown.error : error;
-        } finally {
-            if (tile !== null) koffi.unregister(tile);
-        }
+        const { args, arrays } = this.#renders(camera, options, onTile);
+        await callAsync(C.renderTiles, args, options, usedBy(this, options), onTile);
+        return arrays;
     }
 
     #points({ positions, skip, rowLength, count }, light, options) {

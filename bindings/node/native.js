@@ -110,7 +110,6 @@ const fields = {
 const types = Object.fromEntries(Object.entries(fields).map(([name, members]) => [name, koffi.struct(name, members)]));
 types.mlrt_array = array;
 types.mlrt_const_array = constArray;
-const tileCallback = koffi.proto('int32_t mlrt_tile_callback(void *user, const mlrt_tile *tile)');
 
 function zero(type) {
     if (type === float3) return [0, 0, 0];
@@ -148,13 +147,15 @@ const C = {
     offsetPoint: declare('int32_t mlrt_offset_point(void *tree, uint32_t mesh, uint32_t triangle, float u, float v, int32_t side, float *point)'),
     // native.c
     watchSize: declare('uint32_t mlrt_node_watch_size()'),
+    nextTile: declare('void *mlrt_node_next_tile(void *watch)'),
+    freeTile: declare('void mlrt_node_free_tile(void *tile)'),
     buildTree: declare('int32_t mlrt_node_build_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options, _Out_ void **tree, void *watch)'),
     buildKdtree: declare('int32_t mlrt_node_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options, _Out_ void **tree, void *watch)'),
     loadTree: declare('int32_t mlrt_node_load_tree(const void *data, size_t size, const mlrt_load_options *options, _Out_ void **tree, void *watch)'),
     saveTree: declare('int32_t mlrt_node_save_tree(void *tree, void *buffer, size_t capacity, _Out_ size_t *size, void *watch)'),
     tracePacket: declare('int32_t mlrt_node_trace_packet(void *tree, const mlrt_rays *rays, const mlrt_trace_options *options, const mlrt_hits *hits, void *watch)'),
     traceAllHits: declare('int32_t mlrt_node_trace_all_hits(void *tree, const mlrt_rays *rays, const mlrt_trace_options *options, const mlrt_hit_lists *lists, void *watch)'),
-    renderTiles: declare('int32_t mlrt_node_render_tiles(void *tree, const mlrt_camera *camera, const mlrt_trace_options *options, const mlrt_hits *frame, mlrt_tile_callback *callback, void *watch)'),
+    renderTiles: declare('int32_t mlrt_node_render_tiles(void *tree, const mlrt_camera *camera, const mlrt_trace_options *options, const mlrt_hits *frame, int32_t tiles, void *watch)'),
     occludedPoints: declare('int32_t mlrt_node_occluded_points(void *tree, const mlrt_points *points, const mlrt_light *light, const mlrt_trace_options *options, const mlrt_array *occluded, void *watch)'),
 };
 
@@ -168,4 +169,4 @@ if (C.version() === 100) {
     });
 }
 
-module.exports = { C, koffi, struct, types, tileCallback };
+module.exports = { C, koffi, struct, types };

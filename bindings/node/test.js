@@ -2,6 +2,7 @@
 // The scene of bindings/c/scene.h: prints the hash of the answers, and tests each part of the interface.
 'use strict';
 const assert = require('node:assert');
+const { spawnSync } = require('node:child_process');
 const { after, describe, test } = require('node:test');
 const mlrt = require('mlrt');
 const { koffi, types } = require('mlrt/native.js');
@@ -315,11 +316,32 @@ describe('pictures', () => {
         await assert.rejects(tree.render(camera, { ...options, pool, onTile: () => { throw new Error('enough'); } }), /enough/);
         await assert.rejects(tree.render(camera, { onTile() {}, outputs: ['depth'] }), /outputs: depth is not one of/);
 
-        // A call that blocks this thread would wait for the pool, and the pool for this thread.
-        const rendering = tree.render(camera, { pool, onTile() {} });
-        assert.throws(() => tree.renderSync(camera, { pool }), /options.pool: a render with onTile uses it/);
-        await rendering;
-        tree.renderSync(camera, { pool });
+        // The render needs nothing of this thread: calls that block may use its pool, and tiles wait for the end of them.
+        let tiles = 0;
+        await tree.render(camera, { pool, initialTileSize: 16, onTile: () => tree.renderSync(camera, { pool }) && tiles++ });
+        assert.strictEqual(tiles, 6);
+        // All tiles are done before the first one is looked at.
+        const late = [];
+        const rendering = tree.render(camera, { initialTileSize: 4, onTile: (tile) => late.push(tile) < 3 });
+        Atomics.wait(new Int32Array(new SharedArrayBuffer(4)), 0, 0, 100);
+        await assert.rejects(rendering, { status: mlrt.STATUS.CANCELLED });
+        assert.strictEqual(late.length, 3);
+        await assert.rejects(tree.render(camera, { pool, initialTileSize: 16, onTile: () => tree.close() }), /in use by a call/);
+    });
+
+    test('a program ends during a call', () => {
+        const start = `
+            const mlrt = require('mlrt'), tree = mlrt.Tree.buildSync({ vertices: Float32Array.of(0, 0, 5, 1, 0, 5, 0, 1, 5) });
+            const camera = mlrt.lookAt({ eye: [0, 0, 0], target: [0, 0, 5], width: 20000, height: 20000 });
+            const render = (onTile) => tree.render(camera, { method: 'ray', query: 'any', outputs: ['occluded'], onTile });
+            const end = () => { throw new Error('enough'); };`;
+        for (const [call, status] of [
+            ['setTimeout(() => process.exit(3), 50), render(() => {})', 3], ['render(() => process.exit(3))', 3],
+            ['setTimeout(end, 50), render(() => {})', 1], ['setTimeout(() => process.exit(3), 50), render()', 3],
+        ]) {
+            const child = spawnSync(process.execPath, ['-e', `${start} ${call};`], { cwd: __dirname, timeout: 20000, encoding: 'utf8' });
+            assert.strictEqual(child.status, status, `${call}: ${child.error ?? child.stderr}`);
+        }
     });
 
     test('points off the surface', async () => {
