@@ -6,6 +6,7 @@ package mlrt
 import "C"
 
 import (
+	"fmt"
 	"math"
 	"reflect"
 	"runtime"
@@ -18,24 +19,23 @@ type Element interface {
 }
 
 // An Array is read or written by the library where it lies: a slice, a field of a slice of structs, or one element that
-// serves all rays. The zero Array is left out.
+// serves all rays. The zero Array, and that of an empty slice, is left out; an empty one of triangles has no triangles.
 type Array[T Element] struct {
-	data      unsafe.Pointer
-	stride    uintptr // bytes
-	rowStride uintptr // bytes; 0 = packed
-	size      uintptr // bytes from data on
-	count     int
-	all       bool
+	data   unsafe.Pointer
+	stride uintptr // bytes; 0 = the zero Array, or one element for all
+	row    int     // elements; 0 = packed
+	count  int
+	all    bool
 }
 
 // Slice returns the array of the elements of a slice.
 func Slice[T Element](slice []T) Array[T] {
 	var t T
-	if len(slice) == 0 {
-		return Array[T]{}
+	array := Array[T]{stride: unsafe.Sizeof(t), count: len(slice)}
+	if len(slice) > 0 {
+		array.data = unsafe.Pointer(&slice[0])
 	}
-	size := unsafe.Sizeof(t)
-	return Array[T]{data: unsafe.Pointer(&slice[0]), stride: size, size: size * uintptr(len(slice)), count: len(slice)}
+	return array
 }
 
 // All returns an input array whose one element serves all rays: a common origin, direction, limit and so on.
@@ -51,19 +51,19 @@ func All[T Element](value T) Array[T] {
 func Field[S any, T Element](structs []S, field func(*S) *T) Array[T] {
 	var s S
 	var t T
-	if hasPointers(reflect.TypeOf(s)) {
+	if hasPointers(reflect.TypeOf(structs).Elem()) {
 		panic("mlrt.Field: the structs contain pointers")
 	}
+	array := Array[T]{stride: unsafe.Sizeof(s), count: len(structs)}
 	if len(structs) == 0 {
-		return Array[T]{}
+		return array
 	}
-	data := unsafe.Pointer(field(&structs[0]))
-	offset := uintptr(data) - uintptr(unsafe.Pointer(&structs[0]))
+	array.data = unsafe.Pointer(field(&structs[0]))
+	offset := uintptr(array.data) - uintptr(unsafe.Pointer(&structs[0]))
 	if offset+unsafe.Sizeof(t) > unsafe.Sizeof(s) || offset > unsafe.Sizeof(s) {
 		panic("mlrt.Field: not a field of the struct")
 	}
-	size := unsafe.Sizeof(s)*uintptr(len(structs)) - offset
-	return Array[T]{data: data, stride: unsafe.Sizeof(s), size: size, count: len(structs)}
+	return array
 }
 
 func hasPointers(t reflect.Type) bool {
@@ -81,9 +81,9 @@ func hasPointers(t reflect.Type) bool {
 	return t.Kind() > reflect.Complex128
 }
 
-// Rows returns an array for the results of a picture whose rows begin every `elements` elements.
+// Rows returns an array for the results of a picture whose rows begin every `elements` elements; 0 = packed.
 func (a Array[T]) Rows(elements int) Array[T] {
-	a.rowStride = uintptr(elements) * a.stride
+	a.row = elements
 	return a
 }
 
@@ -95,44 +95,138 @@ func (a Array[T]) Len() int {
 	return a.count
 }
 
-func (a Array[T]) pin(pinner *runtime.Pinner) unsafe.Pointer {
-	if a.data != nil {
-		pinner.Pin(a.data)
+// A place is where the elements of an array lie.
+type place struct {
+	name                     string
+	start, count, step, size int // the address of the first; how many; bytes from one to the next; bytes of each
+}
+
+func (a Array[T]) place(name string, count int) place {
+	var t T
+	p := place{name, int(uintptr(a.data)), count, int(a.stride), int(unsafe.Sizeof(t))}
+	if p.step == p.size { // without gaps: like one element
+		p.count, p.size = 1, count*p.size
 	}
-	return a.data
+	return p
+}
+
+// meets tells whether two arrays have bytes in common. Of different strides with gaps it is not known: then false.
+func (p place) meets(q place) bool {
+	distance := q.start - p.start
+	if p.count == 0 || q.count == 0 || distance >= (p.count-1)*p.step+p.size || -distance >= (q.count-1)*q.step+q.size {
+		return false
+	}
+	if p.count == 1 && q.count == 1 {
+		return true
+	}
+	if p.count > 1 && q.count > 1 && p.step != q.step {
+		return false
+	}
+	step := p.step
+	if p.count == 1 {
+		step = q.step
+	}
+	// The first of q's elements, seen from one of p's, that ends behind its begin: does it begin before its end?
+	k := -((q.size + distance - 1) / step)
+	if q.size+distance < 1 {
+		k = (-q.size-distance)/step + 1
+	}
+	k = max(k, 1-p.count)
+	return k < q.count && distance+k*step < p.size
+}
+
+// arrays are those of a call: pinned as long as it runs, and checked.
+type arrays struct {
+	pinner        runtime.Pinner
+	read, written []place
+	err           error // the first one
+}
+
+func (a *arrays) fail(err error) {
+	if a.err == nil {
+		a.err = err
+	}
+}
+
+// pin returns the address of an array, which stays until Unpin.
+func pin[T Element](pinner *runtime.Pinner, array Array[T]) unsafe.Pointer {
+	if array.data != nil {
+		pinner.Pin(array.data)
+	}
+	return array.data
 }
 
 // input is an array of `count` elements of the C interface.
-func (a Array[T]) input(pinner *runtime.Pinner, name string, count int) (array C.mlrt_const_array, err error) {
-	if a.data != nil && !a.all && a.count != count {
-		return array, argumentError("%s: %d elements, where %d are needed", name, a.count, count)
+func input[T Element](a *arrays, name string, array Array[T], count int) (out C.mlrt_const_array) {
+	switch {
+	case array.data == nil:
+		return out
+	case array.all:
+		out.stride = C.MLRT_STRIDE_ALL
+	case array.count != count:
+		a.fail(argumentError("%s: %d elements, where %d are needed", name, array.count, count))
+		return out
+	default:
+		out.stride = C.size_t(array.stride)
+		a.read = append(a.read, array.place(name, count))
 	}
-	array.data = a.pin(pinner)
-	array.stride = C.size_t(a.stride)
-	if a.all {
-		array.stride = C.MLRT_STRIDE_ALL
-	}
-	return array, nil
+	out.data = pin(&a.pinner, array)
+	return out
 }
 
 // output is an array for `rows` rows of `columns` results.
-func (a Array[T]) output(pinner *runtime.Pinner, name string, columns, rows int) (array C.mlrt_array, err error) {
-	if a.data == nil {
-		return array, nil
+func output[T Element](a *arrays, name string, array Array[T], columns, rows int) (out C.mlrt_array) {
+	if array.data == nil {
+		return out
 	}
-	var t T
-	rowStride := a.rowStride
-	if rowStride == 0 {
-		rowStride = uintptr(columns) * a.stride
+	row := array.row
+	if row == 0 {
+		row = columns
 	}
-	if columns > 0 && rows > 0 {
-		needed := uintptr(rows-1)*rowStride + uintptr(columns-1)*a.stride + unsafe.Sizeof(t)
-		if a.all || needed > a.size {
-			return array, argumentError("%s: too short for %d rows of %d results", name, rows, columns)
+	switch {
+	case array.all:
+		a.fail(argumentError("%s: one element for all is no array for results", name))
+	case rows > 1 && row < columns:
+		a.fail(argumentError("%s: rows that begin every %d elements overlap, as they have %d", name, row, columns))
+	case columns > array.count || rows > 1 && columns > 0 && rows-1 > (array.count-columns)/row:
+		a.fail(argumentError("%s: too short for %d rows of %d results", name, rows, columns))
+	}
+	if a.err != nil {
+		return out
+	}
+	if row == columns || rows < 2 {
+		a.written = append(a.written, array.place(name, columns*rows))
+	} else if line := array.place(name, columns); line.count == 1 { // rows with gaps between them, but none within
+		line.count, line.step = rows, row*int(array.stride)
+		a.written = append(a.written, line)
+	}
+	out.data, out.stride = pin(&a.pinner, array), C.size_t(array.stride)
+	if rows > 1 && array.row != 0 {
+		out.row_stride = C.size_t(row) * out.stride
+	}
+	return out
+}
+
+// check returns the first error of the arrays, or one if results have bytes in common with each other or with what is read.
+func (a *arrays) check() error {
+	for i, p := range a.written {
+		for _, list := range [2][]place{a.written[i+1:], a.read} {
+			for _, q := range list {
+				if p.meets(q) {
+					a.fail(argumentError("%s: it shares memory with %s", p.name, q.name))
+				}
+			}
 		}
 	}
-	array.data, array.stride, array.row_stride = a.pin(pinner), C.size_t(a.stride), C.size_t(a.rowStride)
-	return array, nil
+	return a.err
+}
+
+// checkCount refuses what the library does, before memory is taken for it.
+func checkCount(name string, count int) error {
+	if count > math.MaxInt32 {
+		return &Error{Status: TooLarge, Message: fmt.Sprintf("%s: %d is more than %d", name, count, math.MaxInt32)}
+	}
+	return nil
 }
 
 // word is a number for the C interface. One that does not fit, of which C would take the low bits, becomes the greatest:
@@ -144,14 +238,10 @@ func word(value int) C.uint32_t {
 	return C.uint32_t(value)
 }
 
-// first keeps the first error of several.
-type first struct{ err error }
-
-func collect[A any](f *first) func(A, error) A {
-	return func(array A, err error) A {
-		if f.err == nil {
-			f.err = err
-		}
-		return array
+// code is one of the C interface's named numbers. One that does not fit becomes one that the library refuses.
+func code[T ~int](value T) C.int32_t {
+	if int64(value) != int64(int32(value)) {
+		return math.MinInt32
 	}
+	return C.int32_t(value)
 }

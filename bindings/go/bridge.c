@@ -12,19 +12,38 @@ static bridge_outcome end_call(int32_t status)
     return outcome;
 }
 
+/* The call whose callback this thread runs, or 0. */
+static __thread uintptr_t current_call;
+
+uintptr_t bridge_current_call(void)
+{
+    return current_call;
+}
+
 static void log_message(void *user, int32_t level, const char *message)
 {
-    mlrtGoLog((uintptr_t)user, level, (char *)message);
+    const uintptr_t outer = current_call;
+    current_call = (uintptr_t)user;
+    mlrtGoLog(current_call, level, (char *)message);
+    current_call = outer;
 }
 
 static int32_t report_progress(void *user, double fraction)
 {
-    return mlrtGoProgress((uintptr_t)user, fraction);
+    const uintptr_t outer = current_call;
+    current_call = (uintptr_t)user;
+    const int32_t end = mlrtGoProgress(current_call, fraction);
+    current_call = outer;
+    return end;
 }
 
 static int32_t receive_tile(void *user, const mlrt_tile *tile)
 {
-    return mlrtGoTile((uintptr_t)user, (mlrt_tile *)tile);
+    const uintptr_t outer = current_call;
+    current_call = (uintptr_t)user;
+    const int32_t end = mlrtGoTile(current_call, (mlrt_tile *)tile);
+    current_call = outer;
+    return end;
 }
 
 static void *enqueue(void *user, mlrt_task_function function, void *argument)

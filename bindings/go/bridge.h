@@ -28,6 +28,9 @@ typedef struct bridge_host {
     int32_t functions;
 } bridge_host;
 
+/* The handle of the call whose callback this thread runs; 0 = none. */
+uintptr_t bridge_current_call(void);
+
 bridge_outcome bridge_build_tree(const mlrt_mesh *meshes, size_t count, const mlrt_tree_options *options,
                                  bridge_host host, mlrt_tree **tree);
 bridge_outcome bridge_build_kdtree(const mlrt_mesh *meshes, size_t count, const mlrt_kdtree_options *options,

@@ -22,7 +22,8 @@ const (
 	LogInfo    = Level(C.MLRT_LOG_INFO)    // a tree was built, its size and time; or the host stopped a call
 )
 
-// A Host receives messages and progress of a call.
+// A Host receives messages and progress of a call. Its functions, and those that receive tiles, must not end their goroutine
+// (runtime.Goexit, and so FailNow of testing).
 type Host struct {
 	Log      func(level Level, message string) // on the goroutine of the call
 	Progress func(fraction float64)            // the part that is done, 0..1, every few milliseconds, one call at a time
@@ -31,12 +32,34 @@ type Host struct {
 // A call is what callbacks find by their handle. A panic of Progress or of a tile's callback ends the call; that, and one of
 // Log, goes on when the call has ended.
 type call struct {
+	tree     *Tree // or nil, as is the pool
+	pool     *Pool
+	outer    *call // within whose callback it is made, or nil
 	ctx      context.Context
 	host     Host
 	tile     func(*Tile) error
 	mutex    sync.Mutex
 	err      error
 	panicked any
+}
+
+// callbackUses tells whether this goroutine runs a callback of a call, or of one in whose callback that is made, which uses
+// the tree or the pool: to wait for its end would never end.
+func callbackUses(tree *Tree, pool *Pool) bool {
+	for c := currentCall(); c != nil; c = c.outer {
+		if tree != nil && c.tree == tree || pool != nil && c.pool == pool {
+			return true
+		}
+	}
+	return false
+}
+
+// currentCall is the call whose callback this goroutine runs, or nil. Goroutines in callbacks stay on their threads.
+func currentCall() *call {
+	if handle := C.bridge_current_call(); handle != 0 {
+		return cgo.Handle(handle).Value().(*call)
+	}
+	return nil
 }
 
 // guard runs a callback; false: the call must end.
@@ -51,21 +74,28 @@ func (c *call) guard(callback func() error) (goOn bool) {
 			c.panicked = panicked
 		}
 	}
+	returned := false
 	defer func() {
 		if panicked := recover(); panicked != nil {
 			fail(nil, panicked)
 			goOn = false
+		} else if !returned {
+			// It would leave the library in the middle of the call, whose threads go on.
+			go panic("mlrt: a callback called runtime.Goexit, as FailNow and Fatal of testing do")
+			select {}
 		}
 	}()
-	if err := callback(); err != nil {
+	err := callback()
+	returned = true
+	if err != nil {
 		fail(err, nil)
 		return false
 	}
 	return true
 }
 
-// run makes a call of the library, with the host and the context if they have anything to do.
-func run(ctx context.Context, host Host, tile func(*Tile) error, function func(C.bridge_host, C.uintptr_t) C.bridge_outcome) error {
+// run makes a call of the library that uses a tree and a pool, with the host and the context if they have anything to do.
+func run(ctx context.Context, tree *Tree, pool *Pool, host Host, tile func(*Tile) error, function func(C.bridge_host, C.uintptr_t) C.bridge_outcome) error {
 	if err := ctx.Err(); err != nil {
 		return &Error{Status: Cancelled, Cause: err}
 	}
@@ -79,7 +109,7 @@ func run(ctx context.Context, host Host, tile func(*Tile) error, function func(C
 	if bridge.functions == 0 && tile == nil {
 		return check(function(bridge, 0))
 	}
-	c := &call{ctx: ctx, host: host, tile: tile}
+	c := &call{tree: tree, pool: pool, outer: currentCall(), ctx: ctx, host: host, tile: tile}
 	handle := cgo.NewHandle(c)
 	defer handle.Delete()
 	bridge.call = C.uintptr_t(handle)

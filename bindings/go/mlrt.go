@@ -78,6 +78,8 @@ func (e *Error) Unwrap() []error {
 // ErrClosed is the answer of a closed Tree or Pool.
 var ErrClosed = errors.New("mlrt: used after Close")
 
+var errOwnCallback = argumentError("Close: a call that uses it waits for this callback")
+
 func argumentError(format string, values ...any) error {
 	return &Error{Status: Argument, Message: fmt.Sprintf(format, values...)}
 }

@@ -9,12 +9,15 @@ import (
 	"fmt"
 	"hash/fnv"
 	"math"
+	"os"
+	"os/exec"
 	"reflect"
 	"runtime"
 	"strings"
 	"sync"
 	"sync/atomic"
 	"testing"
+	"time"
 	"unsafe"
 
 	mlrt "github.com/libmlrt/libmlrt/bindings/go"
@@ -157,7 +160,7 @@ func TestErrorsSayWhatIsWrong(t *testing.T) {
 		status(t, tree.AllHitsInto(ctx, rays, nil, lists), mlrt.Argument, "capacity")
 	}
 	shared := mlrt.Rays{Origins: rays.Origins, Directions: mlrt.All([3]float32{0, 0, 1}), RaysPerOrigin: 1 << 33}
-	status(t, tree.TraceInto(ctx, shared, nil, mlrt.HitArrays{T: mlrt.Slice(make([]float32, 2))}), mlrt.Argument, "hits.T")
+	status(t, tree.TraceInto(ctx, shared, nil, mlrt.HitArrays{T: mlrt.Slice(make([]float32, 2))}), mlrt.TooLarge, "rays.count")
 	_, err = tree.Trace(ctx, rays, &mlrt.TraceOptions{InitialTileSize: 1<<32 + 16})
 	status(t, err, mlrt.Argument, "initial_tile_size")
 	_, err = tree.Trace(ctx, rays, &mlrt.TraceOptions{InitialTileSize: 5})
@@ -169,7 +172,7 @@ func TestErrorsSayWhatIsWrong(t *testing.T) {
 	_, err = tree.RenderHits(ctx, mlrt.Camera{Width: -1, Height: 1}, nil)
 	status(t, err, mlrt.BadCamera, "")
 	_, err = tree.RenderHits(ctx, mlrt.Camera{}, nil)
-	status(t, err, mlrt.BadCamera, "no pixels")
+	status(t, err, mlrt.BadCamera, "camera.width: 0")
 	_, err = mlrt.Load([]byte("no tree"), nil)
 	status(t, err, mlrt.BadData, "")
 	equal(t, must(build(t).Trace(ctx, mlrt.NewRays(walls[:1], walls[:1]), nil)).Mesh, []uint32{mlrt.None})
@@ -547,4 +550,239 @@ func TestClosedMeansClosed(t *testing.T) {
 	}
 	tree, pool = nil, nil
 	runtime.GC() // finalizers of what is closed do nothing
+}
+
+// Without memory for results, which would be too much of it.
+func TestCountsThatTheLibraryRefuses(t *testing.T) {
+	tree := build(t, mlrt.Mesh{Vertices: mlrt.Slice(walls)})
+	for _, shared := range []int{1 << 31, 1 << 33, 1 << 62} { // times 4 it is 0
+		rays := mlrt.Rays{Origins: mlrt.Slice(make([][3]float32, 4)), Directions: mlrt.All([3]float32{0, 0, 1}), RaysPerOrigin: shared}
+		_, err := tree.Trace(ctx, rays, nil)
+		status(t, err, mlrt.TooLarge, "rays.count")
+		_, err = tree.Occluded(ctx, rays, nil)
+		status(t, err, mlrt.TooLarge, "rays.count")
+		_, err = tree.AllHits(ctx, rays, nil, 2)
+		status(t, err, mlrt.TooLarge, "rays.count")
+		status(t, tree.AllHitsInto(ctx, rays, nil, mlrt.HitListArrays{}), mlrt.TooLarge, "rays.count")
+	}
+	camera := mlrt.LookAt([3]float32{}, [3]float32{0, 0, 5}, [3]float32{0, 1, 0}, 60, 1<<23, 1<<23)
+	_, err := tree.RenderHits(ctx, camera, nil)
+	status(t, err, mlrt.TooLarge, "pixels")
+	_, _, err = camera.Rays()
+	status(t, err, mlrt.TooLarge, "pixels")
+	camera.Crop = [4]int{0, 0, 1<<32 - 1, 1<<32 - 1} // whose product is negative
+	_, err = tree.RenderHits(ctx, camera, nil)
+	status(t, err, mlrt.BadCamera, "crop_width")
+
+	// Of these C would take the low bits.
+	rays := mlrt.NewRays(walls, walls)
+	_, err = tree.Trace(ctx, rays, &mlrt.TraceOptions{Method: 1<<32 + 1})
+	status(t, err, mlrt.Argument, "method")
+	_, err = mlrt.Build(ctx, nil, &mlrt.TreeOptions{Preset: 1 << 32})
+	status(t, err, mlrt.Argument, "preset")
+	_, err = tree.OffsetPoint(0, 0, 0, 0, 1<<32+1)
+	status(t, err, mlrt.Argument, "side")
+}
+
+func TestMeshesSayWhatTheirTrianglesAre(t *testing.T) {
+	for _, none := range [][][3]uint32{nil, {}} { // not: the vertices, three by three
+		equal(t, must(build(t, mlrt.NewMesh(walls, none)).Info()).Triangles, 0)
+	}
+	for words, mesh := range map[string]mlrt.Mesh{
+		"one element for all": {Vertices: mlrt.All(walls[0])},
+		"5 are not three":     {Vertices: mlrt.Slice(walls[:5])},
+		"Triangles, too": {
+			Vertices: mlrt.Slice(walls), Triangles: mlrt.Slice([][3]uint32{{0, 1, 2}}), ShortTriangles: mlrt.Slice([][3]uint16{{3, 4, 5}}),
+		},
+	} {
+		_, err := mlrt.Build(ctx, []mlrt.Mesh{mesh}, nil)
+		status(t, err, mlrt.Argument, words)
+		_, err = mlrt.BuildKdTree(ctx, []mlrt.Mesh{mesh}, nil)
+		status(t, err, mlrt.Argument, words)
+		_, err = mlrt.HashGeometry([]mlrt.Mesh{mesh})
+		status(t, err, mlrt.Argument, words)
+		_, err = mlrt.EstimateTree([]mlrt.Mesh{mesh}, nil)
+		status(t, err, mlrt.Argument, words)
+		_, err = mlrt.EstimateKdTree([]mlrt.Mesh{mesh}, nil)
+		status(t, err, mlrt.Argument, words)
+	}
+	defer func() { equal(t, recover(), any("mlrt.Field: the structs contain pointers")) }()
+	mlrt.Field(make([]any, 1), func(*any) *float32 { return nil })
+}
+
+func TestResultsThatShareMemory(t *testing.T) {
+	s := newScene()
+	tree := build(t, s.meshes()...)
+	hits := must(tree.Trace(ctx, s.rays(), nil))
+	type record struct {
+		origin, direction [3]float32
+		t, u              float32
+	}
+	records, room := make([]record, 1001), make([]float32, 2000)
+	for i := range s.origins {
+		records[i].origin, records[i].direction = s.origins[i], s.directions[i]
+	}
+	field := func(records []record, field func(*record) *float32) mlrt.Array[float32] {
+		return mlrt.Field(records, field)
+	}
+	first := func(r *record) *float32 { return &r.t }
+	strided := mlrt.Rays{
+		Origins:    mlrt.Field(records[:1000], func(r *record) *[3]float32 { return &r.origin }),
+		Directions: mlrt.Field(records[:1000], func(r *record) *[3]float32 { return &r.direction }),
+	}
+	words := unsafe.Slice((*uint32)(unsafe.Pointer(&room[0])), len(room))
+	for name, into := range map[string]mlrt.HitArrays{
+		"one":    {T: mlrt.Slice(room[:1000]), U: mlrt.Slice(room[999:])},
+		"types":  {T: mlrt.Slice(room[:1000]), Mesh: mlrt.Slice(words[999:])},
+		"fields": {T: field(records, first), U: field(records[1:], first)},
+		"inputs": {T: field(records, func(r *record) *float32 { return &r.direction[2] })},
+		"mixed":  {T: mlrt.Slice(unsafe.Slice(&records[0].t, 1000))},
+		"other":  {T: field(records, first), U: mlrt.Slice(unsafe.Slice(&records[0].u, 1000))},
+	} {
+		t.Run(name, func(t *testing.T) {
+			status(t, tree.TraceInto(ctx, strided, nil, into), mlrt.Argument, "shares memory")
+		})
+	}
+	total := mlrt.HitListArrays{Total: mlrt.Slice(words[:1000]), CrossingTotal: mlrt.Slice(words[1:])}
+	status(t, tree.AllHitsInto(ctx, s.rays(), nil, total), mlrt.Argument, "shares memory")
+	positions := s.origins[:1000]
+	bytes := unsafe.Slice((*uint8)(unsafe.Pointer(&positions[0])), 1000)
+	err := tree.OccludedPointsInto(ctx, mlrt.Points{Positions: mlrt.Slice(positions)}, mlrt.Light{}, nil, mlrt.Slice(bytes))
+	status(t, err, mlrt.Argument, "shares memory")
+	status(t, tree.TraceInto(ctx, s.rays(), nil, mlrt.HitArrays{T: mlrt.All[float32](0)}), mlrt.Argument, "one element")
+
+	// Those side by side do not.
+	second := func(r *record) *float32 { return &r.u }
+	equal(t, tree.TraceInto(ctx, strided, nil, mlrt.HitArrays{T: field(records, first), U: field(records, second), V: mlrt.Slice(room[:1000])}), nil)
+	equal(t, tree.TraceInto(ctx, s.rays(), nil, mlrt.HitArrays{T: mlrt.Slice(room[:1000]), U: mlrt.Slice(room[1000:])}), nil)
+	for i := range hits.T {
+		equal(t, [4]float32{records[i].t, records[i].u, room[i], room[1000+i]}, [4]float32{hits.T[i], hits.U[i], hits.T[i], hits.U[i]})
+	}
+
+	camera := mlrt.LookAt([3]float32{0, 0, -30}, [3]float32{}, [3]float32{0, 1, 0}, 45, 40, 25)
+	picture := must(tree.RenderHits(ctx, camera, nil))
+	for words, into := range map[string]mlrt.HitArrays{
+		"shares memory":      {T: mlrt.Slice(room).Rows(80), U: mlrt.Slice(room[39:]).Rows(80)},
+		"overlap":            {T: mlrt.Slice(room).Rows(39)},
+		"begin every -40":    {T: mlrt.Slice(room).Rows(-40)},
+		"too short":          {T: mlrt.Slice(room).Rows(1 << 62)},
+		"too short for 25 r": {T: mlrt.Slice(room[:24*80+39]).Rows(80)},
+	} {
+		status(t, tree.Render(ctx, camera, nil, &into, nil), mlrt.Argument, words)
+	}
+	into := mlrt.HitArrays{T: mlrt.Slice(room[:24*80+40]).Rows(80), U: mlrt.Slice(room[40:]).Rows(80)}
+	equal(t, tree.Render(ctx, camera, nil, &into, nil), nil)
+	for i := range picture.T {
+		equal(t, [2]float32{room[i/40*80+i%40], room[i/40*80+40+i%40]}, [2]float32{picture.T[i], picture.U[i]})
+	}
+}
+
+// within fails if a function takes longer.
+func within(t *testing.T, limit time.Duration, function func()) {
+	t.Helper()
+	done := make(chan struct{})
+	go func() {
+		defer close(done)
+		function()
+	}()
+	select {
+	case <-done:
+	case <-time.After(limit):
+		t.Fatal("it does not end")
+	}
+}
+
+func TestCallbacksThatWouldWaitForTheirCall(t *testing.T) {
+	s := newScene()
+	camera := mlrt.LookAt([3]float32{0, 0, -30}, [3]float32{}, [3]float32{0, 1, 0}, 45, 64, 64)
+	many := mlrt.Rays{Origins: mlrt.All([3]float32{}), Directions: mlrt.Slice(make([][3]float32, 100000))}
+	pool, counters := must(mlrt.NewPool(2)), &mlrt.Counters{}
+	options := &mlrt.TraceOptions{Outputs: mlrt.OutputT, InitialTileSize: 16, Pool: pool, Counters: counters}
+	trace := func(tree *mlrt.Tree, options *mlrt.TraceOptions) error {
+		_, err := tree.Trace(ctx, many, options)
+		return err
+	}
+	for name, callback := range map[string]func(*mlrt.Tree) error{
+		"Close: a call that uses it":        func(tree *mlrt.Tree) error { return tree.Close() },
+		"Close: a call that uses":           func(*mlrt.Tree) error { return pool.Close() },
+		"options.Pool: its threads make th": func(tree *mlrt.Tree) error { return trace(tree, &mlrt.TraceOptions{Pool: pool}) },
+		"Close: a call": func(tree *mlrt.Tree) error { // in a call within a callback
+			return tree.Render(ctx, camera, &mlrt.TraceOptions{Outputs: mlrt.OutputT}, nil, func(*mlrt.Tile) error { return pool.Close() })
+		},
+		"used after Close": func(tree *mlrt.Tree) error {
+			go tree.Close() // which waits for the render
+			for trace(tree, nil) == nil {
+			}
+			return trace(tree, nil)
+		},
+	} {
+		within(t, time.Minute, func() {
+			tree := must(mlrt.Build(ctx, s.meshes(), nil))
+			defer tree.Close()
+			err := tree.Render(ctx, camera, options, nil, func(*mlrt.Tile) error { return callback(tree) })
+			status(t, err, mlrt.Cancelled, name)
+		})
+	}
+	within(t, time.Minute, func() {
+		tree := must(mlrt.Build(ctx, s.meshes(), nil))
+		defer tree.Close()
+		before := counters.Counts().Rays
+		equal(t, tree.Render(ctx, camera, options, nil, func(*mlrt.Tile) error {
+			counters.Counts()
+			return trace(tree, &mlrt.TraceOptions{Counters: counters})
+		}), nil)
+		equal(t, counters.Counts().Rays-before, 64*64+16*100000)
+	})
+	equal(t, pool.Close(), nil)
+}
+
+// Neither memory that a tree in place was to use, nor a tree that was made before its log panicked.
+func TestPanicsLeaveNothingBehind(t *testing.T) {
+	s := newScene()
+	bytes := must(build(t, s.meshes()...).Save())
+	bytes[len(bytes)-1] ^= 1
+	panics := func(mlrt.Level, string) { panic("in the log") }
+	for _, call := range []func(){
+		func() { mlrt.LoadInPlace(bytes, &mlrt.LoadOptions{Log: panics}) },
+		func() { mlrt.Build(ctx, s.meshes(), &mlrt.TreeOptions{Host: mlrt.Host{Log: panics}}) },
+	} {
+		func() {
+			defer func() { equal(t, recover(), any("in the log")) }()
+			call()
+		}()
+	}
+	for i := 0; i < 3; i++ { // ends the program if memory is pinned that nobody can unpin
+		runtime.GC()
+		time.Sleep(10 * time.Millisecond)
+	}
+}
+
+func TestCallbacksThatEndTheirGoroutine(t *testing.T) {
+	if os.Getenv("MLRT_GOEXIT") != "" {
+		tree := build(t, mlrt.Mesh{Vertices: mlrt.Slice(walls)})
+		camera := mlrt.LookAt([3]float32{}, [3]float32{0, 0, 5}, [3]float32{0, 1, 0}, 60, 64, 64)
+		tree.Render(ctx, camera, &mlrt.TraceOptions{Outputs: mlrt.OutputT}, nil, func(*mlrt.Tile) error { runtime.Goexit(); return nil })
+	}
+	command := exec.Command(os.Args[0], "-test.run=^TestCallbacksThatEndTheirGoroutine$")
+	command.Env = append(os.Environ(), "MLRT_GOEXIT=1")
+	output, err := command.CombinedOutput()
+	if err == nil || !strings.Contains(string(output), "a callback called runtime.Goexit") {
+		t.Errorf("%v: %s", err, output)
+	}
+}
+
+func TestNoRaysAreCallsLikeOthers(t *testing.T) {
+	tree := must(mlrt.Build(ctx, nil, nil))
+	equal(t, len(must(tree.OccludedPoints(ctx, mlrt.Points{}, mlrt.Light{}, nil))), 0)
+	tree.Close()
+	for _, call := range []func() error{
+		func() error { _, err := tree.Trace(ctx, mlrt.Rays{}, nil); return err },
+		func() error { _, err := tree.AllHits(ctx, mlrt.Rays{}, nil, 1); return err },
+		func() error { _, err := tree.OccludedPoints(ctx, mlrt.Points{}, mlrt.Light{}, nil); return err },
+	} {
+		equal(t, call(), mlrt.ErrClosed)
+	}
+	if _, err := mlrt.NewExecutorPool(2, nil); !errors.Is(err, mlrt.Argument) {
+		t.Error(err)
+	}
 }

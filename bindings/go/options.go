@@ -5,7 +5,10 @@ package mlrt
 // #include "bridge.h"
 import "C"
 
-import "sync"
+import (
+	"sync"
+	"unsafe"
+)
 
 // A Preset is one of mlrt_tree_options.
 type Preset int
@@ -150,7 +153,7 @@ type Light struct {
 }
 
 func (light Light) toC() C.mlrt_light {
-	out := C.mlrt_light{struct_size: C.sizeof_mlrt_light, kind: C.int32_t(light.Kind)}
+	out := C.mlrt_light{struct_size: C.sizeof_mlrt_light, kind: code(light.Kind)}
 	out.position = vector(light.Position)
 	return out
 }
@@ -164,6 +167,17 @@ func vector(v [3]float32) [3]C.float {
 type Counters struct {
 	mutex  sync.Mutex
 	counts C.mlrt_counters
+}
+
+// add adds the counts of a call.
+func (counters *Counters) add(counts *C.mlrt_counters) {
+	counters.mutex.Lock()
+	defer counters.mutex.Unlock()
+	const numbers = (C.sizeof_mlrt_counters - 8) / 8 // behind struct_size and reserved
+	sums := (*[numbers]uint64)(unsafe.Pointer(&counters.counts.ray_count))
+	for i, count := range (*[numbers]uint64)(unsafe.Pointer(&counts.ray_count)) {
+		sums[i] += count
+	}
 }
 
 // Counts are the values of Counters.

@@ -39,6 +39,9 @@ func NewGoroutinePool(jobs int) (*Pool, error) {
 // NewExecutorPool makes a pool whose jobs `execute` runs, at most `jobs` - 1 at a time, on any goroutine, now or later. A
 // job that does not begin in time is done by the call that it belongs to, and then does nothing.
 func NewExecutorPool(jobs int, execute func(job func())) (*Pool, error) {
+	if execute == nil {
+		return nil, argumentError("execute: it is nil")
+	}
 	pool := &Pool{executor: cgo.NewHandle(execute)}
 	err := check(C.bridge_create_pool_with_executor(word(jobs), C.uintptr_t(pool.executor), &pool.handle))
 	if err != nil {
@@ -49,8 +52,11 @@ func NewExecutorPool(jobs int, execute func(job func())) (*Pool, error) {
 	return pool, nil
 }
 
-// Close frees the pool, after the calls that use it. Again does nothing.
+// Close frees the pool, after the calls that use it. Again does nothing. In a callback of such a call it is an error.
 func (pool *Pool) Close() error {
+	if callbackUses(nil, pool) {
+		return errOwnCallback
+	}
 	pool.mutex.Lock()
 	defer pool.mutex.Unlock()
 	C.mlrt_destroy_pool(pool.handle)
@@ -67,10 +73,16 @@ func (pool *Pool) use() (handle *C.mlrt_pool, release func(), err error) {
 	if pool == nil {
 		return nil, func() {}, nil
 	}
-	pool.mutex.RLock()
+	if !pool.mutex.TryRLock() { // Close waits, or is at work
+		return nil, nil, ErrClosed
+	}
 	if pool.handle == nil {
 		pool.mutex.RUnlock()
 		return nil, nil, ErrClosed
+	}
+	if pool.executor == 0 && callbackUses(nil, pool) {
+		pool.mutex.RUnlock()
+		return nil, nil, argumentError("options.Pool: its threads make the call whose callback this is")
 	}
 	return pool.handle, pool.mutex.RUnlock, nil
 }

@@ -24,33 +24,41 @@ func NewMesh(vertices [][3]float32, triangles [][3]uint32) Mesh {
 	return Mesh{Vertices: Slice(vertices), Triangles: Slice(triangles)}
 }
 
-func meshes(pinner *runtime.Pinner, list []Mesh) (first *C.mlrt_mesh, count C.size_t) {
+func meshes(pinner *runtime.Pinner, list []Mesh) (first *C.mlrt_mesh, count C.size_t, err error) {
 	if len(list) == 0 {
-		return nil, 0
+		return nil, 0, nil
 	}
 	out := make([]C.mlrt_mesh, len(list))
 	for i, mesh := range list {
+		if mesh.Vertices.all || mesh.Triangles.all || mesh.ShortTriangles.all {
+			return nil, 0, argumentError("meshes[%d]: one element for all is no array of a mesh", i)
+		}
 		out[i] = C.mlrt_mesh{
-			struct_size:    C.sizeof_mlrt_mesh,
-			id:             C.uint32_t(mesh.ID),
-			vertices:       mesh.Vertices.pin(pinner),
-			vertex_count:   C.size_t(mesh.Vertices.count),
-			vertex_stride:  C.size_t(mesh.Vertices.stride),
-			triangle_count: C.size_t(mesh.Vertices.count / 3),
-			mask:           C.uint32_t(mesh.Mask),
+			struct_size:   C.sizeof_mlrt_mesh,
+			id:            C.uint32_t(mesh.ID),
+			vertices:      pin(pinner, mesh.Vertices),
+			vertex_count:  C.size_t(mesh.Vertices.count),
+			vertex_stride: C.size_t(mesh.Vertices.stride),
+			mask:          C.uint32_t(mesh.Mask),
 		}
-		if mesh.Triangles.data != nil {
-			out[i].indices, out[i].index_size = mesh.Triangles.pin(pinner), 4
+		switch {
+		case mesh.Triangles.stride != 0 && mesh.ShortTriangles.stride != 0:
+			return nil, 0, argumentError("meshes[%d].ShortTriangles: it has Triangles, too", i)
+		case mesh.Triangles.stride != 0:
+			out[i].indices, out[i].index_size = pin(pinner, mesh.Triangles), 4
 			out[i].triangle_count, out[i].triangle_stride = C.size_t(mesh.Triangles.count), C.size_t(mesh.Triangles.stride)
-		}
-		if mesh.ShortTriangles.data != nil {
-			out[i].indices, out[i].index_size = mesh.ShortTriangles.pin(pinner), 2
+		case mesh.ShortTriangles.stride != 0:
+			out[i].indices, out[i].index_size = pin(pinner, mesh.ShortTriangles), 2
 			out[i].triangle_count = C.size_t(mesh.ShortTriangles.count)
 			out[i].triangle_stride = C.size_t(mesh.ShortTriangles.stride)
+		case mesh.Vertices.count%3 != 0:
+			return nil, 0, argumentError("meshes[%d].Vertices: %d are not three for each triangle", i, mesh.Vertices.count)
+		default:
+			out[i].triangle_count = C.size_t(mesh.Vertices.count / 3)
 		}
 	}
 	pinner.Pin(&out[0])
-	return &out[0], C.size_t(len(out))
+	return &out[0], C.size_t(len(out)), nil
 }
 
 // Rays are in arrays of the program. Each has an element per ray, or one that serves all; those that are zero are left out.
@@ -72,32 +80,43 @@ func NewRays(origins, directions [][3]float32) Rays {
 
 // Len returns the number of rays: that of Directions, or of Origins if one direction serves all.
 func (rays *Rays) Len() int {
-	if rays.Directions.all {
-		return rays.Origins.Len() * max(rays.RaysPerOrigin, 1)
+	if !rays.Directions.all {
+		return rays.Directions.count
 	}
-	return rays.Directions.count
+	origins, shared := rays.Origins.Len(), max(rays.RaysPerOrigin, 1)
+	if origins > math.MaxInt/shared {
+		return math.MaxInt
+	}
+	return origins * shared
 }
 
-func (rays *Rays) toC(pinner *runtime.Pinner) (out *C.mlrt_rays, err error) {
-	n, shared := rays.Len(), max(rays.RaysPerOrigin, 1)
+// count returns the number of rays, if that is one that the library takes.
+func (rays *Rays) count() (int, error) {
+	n := rays.Len()
+	return n, checkCount("rays.count", n)
+}
+
+func (rays *Rays) toC(a *arrays) (*C.mlrt_rays, error) {
+	n, err := rays.count()
+	if err != nil {
+		return nil, err
+	}
+	shared := max(rays.RaysPerOrigin, 1)
 	if n%shared != 0 {
 		return nil, argumentError("rays.RaysPerOrigin: %d does not divide %d rays", shared, n)
 	}
-	var f first
-	in := collect[C.mlrt_const_array](&f)
-	out = &C.mlrt_rays{
+	return &C.mlrt_rays{
 		struct_size:     C.sizeof_mlrt_rays,
 		row_length:      word(rays.RowLength),
 		count:           C.size_t(n),
-		origins:         in(rays.Origins.input(pinner, "rays.Origins", n/shared)),
-		directions:      in(rays.Directions.input(pinner, "rays.Directions", n)),
-		t_min:           in(rays.TMin.input(pinner, "rays.TMin", n/shared)),
-		t_max:           in(rays.TMax.input(pinner, "rays.TMax", n)),
-		skip:            in(rays.Skip.input(pinner, "rays.Skip", n/shared)),
-		mask:            in(rays.Mask.input(pinner, "rays.Mask", n)),
+		origins:         input(a, "rays.Origins", rays.Origins, n/shared),
+		directions:      input(a, "rays.Directions", rays.Directions, n),
+		t_min:           input(a, "rays.TMin", rays.TMin, n/shared),
+		t_max:           input(a, "rays.TMax", rays.TMax, n),
+		skip:            input(a, "rays.Skip", rays.Skip, n/shared),
+		mask:            input(a, "rays.Mask", rays.Mask, n),
 		rays_per_origin: word(rays.RaysPerOrigin),
-	}
-	return out, f.err
+	}, a.err
 }
 
 // A Ray is one ray. TMax is a limit as given; NewRay sets it to infinity.
@@ -211,20 +230,18 @@ func Records(hits []Hit) HitArrays {
 	}
 }
 
-func (hits *HitArrays) toC(pinner *runtime.Pinner, columns, rows int) (out *C.mlrt_hits, err error) {
-	var f first
-	array := collect[C.mlrt_array](&f)
-	out = &C.mlrt_hits{
+func (hits *HitArrays) toC(a *arrays, columns, rows int) (*C.mlrt_hits, error) {
+	out := &C.mlrt_hits{
 		struct_size: C.sizeof_mlrt_hits,
-		t:           array(hits.T.output(pinner, "hits.T", columns, rows)),
-		u:           array(hits.U.output(pinner, "hits.U", columns, rows)),
-		v:           array(hits.V.output(pinner, "hits.V", columns, rows)),
-		mesh:        array(hits.Mesh.output(pinner, "hits.Mesh", columns, rows)),
-		triangle:    array(hits.Triangle.output(pinner, "hits.Triangle", columns, rows)),
-		facing:      array(hits.Facing.output(pinner, "hits.Facing", columns, rows)),
-		occluded:    array(hits.Occluded.output(pinner, "hits.Occluded", columns, rows)),
+		t:           output(a, "hits.T", hits.T, columns, rows),
+		u:           output(a, "hits.U", hits.U, columns, rows),
+		v:           output(a, "hits.V", hits.V, columns, rows),
+		mesh:        output(a, "hits.Mesh", hits.Mesh, columns, rows),
+		triangle:    output(a, "hits.Triangle", hits.Triangle, columns, rows),
+		facing:      output(a, "hits.Facing", hits.Facing, columns, rows),
+		occluded:    output(a, "hits.Occluded", hits.Occluded, columns, rows),
 	}
-	return out, f.err
+	return out, a.check()
 }
 
 // HitLists are all hits of rays: hit j of ray i is element i * Capacity + j. Those behind the last hit of a ray are misses.
@@ -257,27 +274,25 @@ func checkCapacity(n, capacity int) error {
 	return nil
 }
 
-func (lists *HitListArrays) toC(pinner *runtime.Pinner, n int) (out *C.mlrt_hit_lists, err error) {
-	var f first
-	array := collect[C.mlrt_array](&f)
+func (lists *HitListArrays) toC(a *arrays, n int) (*C.mlrt_hit_lists, error) {
 	if err := checkCapacity(n, lists.Capacity); err != nil {
 		return nil, err
 	}
 	all := n * lists.Capacity
-	out = &C.mlrt_hit_lists{
+	out := &C.mlrt_hit_lists{
 		struct_size:    C.sizeof_mlrt_hit_lists,
 		capacity:       word(lists.Capacity),
-		t:              array(lists.T.output(pinner, "lists.T", all, 1)),
-		u:              array(lists.U.output(pinner, "lists.U", all, 1)),
-		v:              array(lists.V.output(pinner, "lists.V", all, 1)),
-		mesh:           array(lists.Mesh.output(pinner, "lists.Mesh", all, 1)),
-		triangle:       array(lists.Triangle.output(pinner, "lists.Triangle", all, 1)),
-		facing:         array(lists.Facing.output(pinner, "lists.Facing", all, 1)),
-		crossing:       array(lists.Crossing.output(pinner, "lists.Crossing", all, 1)),
-		total:          array(lists.Total.output(pinner, "lists.Total", n, 1)),
-		crossing_total: array(lists.CrossingTotal.output(pinner, "lists.CrossingTotal", n, 1)),
+		t:              output(a, "lists.T", lists.T, all, 1),
+		u:              output(a, "lists.U", lists.U, all, 1),
+		v:              output(a, "lists.V", lists.V, all, 1),
+		mesh:           output(a, "lists.Mesh", lists.Mesh, all, 1),
+		triangle:       output(a, "lists.Triangle", lists.Triangle, all, 1),
+		facing:         output(a, "lists.Facing", lists.Facing, all, 1),
+		crossing:       output(a, "lists.Crossing", lists.Crossing, all, 1),
+		total:          output(a, "lists.Total", lists.Total, n, 1),
+		crossing_total: output(a, "lists.CrossingTotal", lists.CrossingTotal, n, 1),
 	}
-	return out, f.err
+	return out, a.check()
 }
 
 // A Camera has the rays of a picture: pixel (i, j) has p = D00 + (i + Sample[0]) DX + (j + Sample[1]) DY, and the ray from
@@ -341,9 +356,10 @@ func (camera *Camera) Size() (columns, rows int) {
 	return max(columns, 0), max(rows, 0)
 }
 
+// toC returns a camera whose every number the library accepts.
 func (camera *Camera) toC() (*C.mlrt_camera, error) {
 	for _, number := range append([]int{camera.Width, camera.Height}, camera.Crop[:]...) {
-		if number < 0 || number > math.MaxUint32 {
+		if number < 0 || uint64(number) > math.MaxUint32 {
 			return nil, &Error{Status: BadCamera, Message: "camera: a size or place that is negative or too large"}
 		}
 	}
@@ -368,17 +384,15 @@ func (camera *Camera) toC() (*C.mlrt_camera, error) {
 	if camera.Parallel {
 		out.projection = C.MLRT_PROJECTION_PARALLEL
 	}
-	return out, nil
+	return out, check(C.bridge_camera_rays(out, nil, nil))
 }
-
-func errNoPixels() error { return &Error{Status: BadCamera, Message: "camera: it has no pixels"} }
 
 // Rays returns the very rays that Render traces, row by row.
 func (camera *Camera) Rays() (origins, directions [][3]float32, err error) {
-	columns, rows := camera.Size()
-	if columns*rows == 0 {
-		return nil, nil, errNoPixels()
+	if _, err = camera.toC(); err != nil {
+		return nil, nil, err
 	}
+	columns, rows := camera.Size()
 	origins, directions = make([][3]float32, columns*rows), make([][3]float32, columns*rows)
 	err = camera.RaysInto(Slice(origins), Slice(directions))
 	return origins, directions, err
@@ -386,18 +400,16 @@ func (camera *Camera) Rays() (origins, directions [][3]float32, err error) {
 
 // RaysInto writes these rays to arrays of the program. Either may be left out.
 func (camera *Camera) RaysInto(origins, directions Array[[3]float32]) error {
-	columns, rows := camera.Size()
 	c, err := camera.toC()
 	if err != nil {
 		return err
 	}
-	var pinner runtime.Pinner
-	defer pinner.Unpin()
-	var f first
-	array := collect[C.mlrt_array](&f)
-	starts, ways := array(origins.output(&pinner, "origins", columns, rows)), array(directions.output(&pinner, "directions", columns, rows))
-	if f.err != nil {
-		return f.err
+	columns, rows := camera.Size()
+	var a arrays
+	defer a.pinner.Unpin()
+	starts, ways := output(&a, "origins", origins, columns, rows), output(&a, "directions", directions, columns, rows)
+	if err := a.check(); err != nil {
+		return err
 	}
 	return check(C.bridge_camera_rays(c, &starts, &ways))
 }

@@ -19,13 +19,19 @@ type Tree struct {
 	bytes  runtime.Pinner // those that a tree loaded in place uses
 }
 
+// newTree returns a tree without a handle. A panic of a callback leaves it to its finalizer.
+func newTree() *Tree {
+	tree := &Tree{}
+	runtime.SetFinalizer(tree, (*Tree).Close)
+	return tree
+}
+
 // made returns what a builder has made, or its error.
 func (tree *Tree) made(err error) (*Tree, error) {
 	if err != nil {
 		tree.bytes.Unpin()
 		return nil, err
 	}
-	runtime.SetFinalizer(tree, (*Tree).Close)
 	return tree, nil
 }
 
@@ -33,7 +39,7 @@ func (tree *Tree) made(err error) (*Tree, error) {
 func (o *TreeOptions) toC(pool *C.mlrt_pool) *C.mlrt_tree_options {
 	return &C.mlrt_tree_options{
 		struct_size:       C.sizeof_mlrt_tree_options,
-		preset:            C.int32_t(o.Preset),
+		preset:            code(o.Preset),
 		traversal_cost:    C.float(o.TraversalCost),
 		intersection_cost: C.float(o.IntersectionCost),
 		memory_limit:      C.uint64_t(o.MemoryLimit),
@@ -44,7 +50,7 @@ func (o *TreeOptions) toC(pool *C.mlrt_pool) *C.mlrt_tree_options {
 func (o *KdTreeOptions) toC(pool *C.mlrt_pool) *C.mlrt_kdtree_options {
 	return &C.mlrt_kdtree_options{
 		struct_size:       C.sizeof_mlrt_kdtree_options,
-		preset:            C.int32_t(o.Preset),
+		preset:            code(o.Preset),
 		traversal_cost:    C.float(o.TraversalCost),
 		intersection_cost: C.float(o.IntersectionCost),
 		memory_limit:      C.uint64_t(o.MemoryLimit),
@@ -71,9 +77,12 @@ func Build(ctx context.Context, list []Mesh, options *TreeOptions) (*Tree, error
 	defer release()
 	var pinner runtime.Pinner
 	defer pinner.Unpin()
-	tree, o := &Tree{}, options.toC(pool)
-	first, count := meshes(&pinner, list)
-	return tree.made(run(ctx, options.Host, nil, func(host C.bridge_host, _ C.uintptr_t) C.bridge_outcome {
+	tree, o := newTree(), options.toC(pool)
+	first, count, err := meshes(&pinner, list)
+	if err != nil {
+		return nil, err
+	}
+	return tree.made(run(ctx, nil, options.Pool, options.Host, nil, func(host C.bridge_host, _ C.uintptr_t) C.bridge_outcome {
 		return C.bridge_build_tree(first, count, o, host, &tree.handle)
 	}))
 }
@@ -90,9 +99,12 @@ func BuildKdTree(ctx context.Context, list []Mesh, options *KdTreeOptions) (*Tre
 	defer release()
 	var pinner runtime.Pinner
 	defer pinner.Unpin()
-	tree, o := &Tree{}, options.toC(pool)
-	first, count := meshes(&pinner, list)
-	return tree.made(run(ctx, options.Host, nil, func(host C.bridge_host, _ C.uintptr_t) C.bridge_outcome {
+	tree, o := newTree(), options.toC(pool)
+	first, count, err := meshes(&pinner, list)
+	if err != nil {
+		return nil, err
+	}
+	return tree.made(run(ctx, nil, options.Pool, options.Host, nil, func(host C.bridge_host, _ C.uintptr_t) C.bridge_outcome {
 		return C.bridge_build_kdtree(first, count, o, host, &tree.handle)
 	}))
 }
@@ -110,9 +122,12 @@ func EstimateTree(list []Mesh, options *TreeOptions) (MemoryEstimate, error) {
 	}
 	var pinner runtime.Pinner
 	defer pinner.Unpin()
-	first, count := meshes(&pinner, list)
+	first, count, err := meshes(&pinner, list)
+	if err != nil {
+		return MemoryEstimate{}, err
+	}
 	estimate := C.mlrt_memory_estimate{struct_size: C.sizeof_mlrt_memory_estimate}
-	err := check(C.bridge_estimate_tree(first, count, options.toC(nil), &estimate))
+	err = check(C.bridge_estimate_tree(first, count, options.toC(nil), &estimate))
 	return MemoryEstimate{uint64(estimate.memory_size), uint64(estimate.peak_memory_size)}, err
 }
 
@@ -123,9 +138,12 @@ func EstimateKdTree(list []Mesh, options *KdTreeOptions) (MemoryEstimate, error)
 	}
 	var pinner runtime.Pinner
 	defer pinner.Unpin()
-	first, count := meshes(&pinner, list)
+	first, count, err := meshes(&pinner, list)
+	if err != nil {
+		return MemoryEstimate{}, err
+	}
 	estimate := C.mlrt_memory_estimate{struct_size: C.sizeof_mlrt_memory_estimate}
-	err := check(C.bridge_estimate_kdtree(first, count, options.toC(nil), &estimate))
+	err = check(C.bridge_estimate_kdtree(first, count, options.toC(nil), &estimate))
 	return MemoryEstimate{uint64(estimate.memory_size), uint64(estimate.peak_memory_size)}, err
 }
 
@@ -133,9 +151,12 @@ func EstimateKdTree(list []Mesh, options *KdTreeOptions) (MemoryEstimate, error)
 func HashGeometry(list []Mesh) (uint64, error) {
 	var pinner runtime.Pinner
 	defer pinner.Unpin()
-	first, count := meshes(&pinner, list)
+	first, count, err := meshes(&pinner, list)
+	if err != nil {
+		return 0, err
+	}
 	var hash C.uint64_t
-	err := check(C.bridge_hash_geometry(first, count, &hash))
+	err = check(C.bridge_hash_geometry(first, count, &hash))
 	return uint64(hash), err
 }
 
@@ -155,15 +176,15 @@ func load(bytes []byte, flags C.uint32_t, options *LoadOptions) (*Tree, error) {
 	if options == nil {
 		options = &LoadOptions{}
 	}
-	tree := &Tree{}
+	tree := newTree()
 	o := &C.mlrt_load_options{
 		struct_size:   C.sizeof_mlrt_load_options,
 		flags:         flags,
 		geometry_hash: C.uint64_t(options.GeometryHash),
 		memory_limit:  C.uint64_t(options.MemoryLimit),
 	}
-	data := Slice(bytes).pin(&tree.bytes)
-	tree, err := tree.made(run(context.Background(), Host{Log: options.Log}, nil,
+	data := pin(&tree.bytes, Slice(bytes))
+	tree, err := tree.made(run(context.Background(), nil, nil, Host{Log: options.Log}, nil,
 		func(host C.bridge_host, _ C.uintptr_t) C.bridge_outcome {
 			return C.bridge_load_tree(data, C.size_t(len(bytes)), o, host, &tree.handle)
 		}))
@@ -173,8 +194,11 @@ func load(bytes []byte, flags C.uint32_t, options *LoadOptions) (*Tree, error) {
 	return tree, err
 }
 
-// Close frees the tree, after the calls that use it. Again does nothing.
+// Close frees the tree, after the calls that use it. Again does nothing. In a callback of such a call it is an error.
 func (tree *Tree) Close() error {
+	if callbackUses(tree, nil) {
+		return errOwnCallback
+	}
 	tree.mutex.Lock()
 	defer tree.mutex.Unlock()
 	C.mlrt_destroy_tree(tree.handle)
@@ -185,7 +209,9 @@ func (tree *Tree) Close() error {
 
 // use keeps the tree open until release is called.
 func (tree *Tree) use() (handle *C.mlrt_tree, release func(), err error) {
-	tree.mutex.RLock()
+	if !tree.mutex.TryRLock() { // Close waits, or is at work
+		return nil, nil, ErrClosed
+	}
 	if tree.handle == nil {
 		tree.mutex.RUnlock()
 		return nil, nil, ErrClosed
@@ -260,27 +286,28 @@ func (tree *Tree) with(ctx context.Context, options *TraceOptions, query Query, 
 		return err
 	}
 	defer release()
-	o := &C.mlrt_trace_options{struct_size: C.sizeof_mlrt_trace_options, query: C.int32_t(query)}
+	o := &C.mlrt_trace_options{struct_size: C.sizeof_mlrt_trace_options, query: code(query)}
 	var host Host
+	var pool *Pool
 	if options != nil {
-		pool, release, err := options.Pool.use()
+		host, pool = options.Host, options.Pool
+		used, release, err := pool.use()
 		if err != nil {
 			return err
 		}
 		defer release()
-		o.method, o.isa, o.culling = C.int32_t(options.Method), C.int32_t(options.ISA), C.int32_t(options.Culling)
+		o.method, o.isa, o.culling = code(options.Method), code(options.ISA), code(options.Culling)
 		if options.CullingCheck {
 			o.culling_check = 1
 		}
 		o.initial_tile_size, o.minimum_tile_size = word(options.InitialTileSize), word(options.MinimumTileSize)
 		o.split_factor, o.outputs = word(options.SplitFactor), C.uint32_t(options.Outputs)
-		o.shortcuts_off, o.mask, o.pool = C.uint32_t(options.ShortcutsOff), C.uint32_t(options.Mask), pool
+		o.shortcuts_off, o.mask, o.pool = C.uint32_t(options.ShortcutsOff), C.uint32_t(options.Mask), used
 		if options.Counters != nil {
-			options.Counters.mutex.Lock()
-			defer options.Counters.mutex.Unlock()
-			options.Counters.counts.struct_size = C.sizeof_mlrt_counters
-			pinner.Pin(&options.Counters.counts)
-			o.counters = &options.Counters.counts
+			counts := &C.mlrt_counters{struct_size: C.sizeof_mlrt_counters}
+			defer options.Counters.add(counts)
+			pinner.Pin(counts)
+			o.counters = counts
 		}
 		if len(options.Lights) > 0 {
 			lights := make([]C.mlrt_light, len(options.Lights))
@@ -288,18 +315,21 @@ func (tree *Tree) with(ctx context.Context, options *TraceOptions, query Query, 
 				lights[i] = light.toC()
 			}
 			pinner.Pin(&lights[0])
-			o.lights, o.light_count = &lights[0], C.uint32_t(len(lights))
+			o.lights, o.light_count = &lights[0], word(len(lights))
 		}
-		host = options.Host
 	}
-	return run(ctx, host, tile, func(bridge C.bridge_host, user C.uintptr_t) C.bridge_outcome {
+	return run(ctx, tree, pool, host, tile, func(bridge C.bridge_host, user C.uintptr_t) C.bridge_outcome {
 		return function(handle, o, bridge, user)
 	})
 }
 
 // Trace finds the closest hit of each ray.
 func (tree *Tree) Trace(ctx context.Context, rays Rays, options *TraceOptions) (*Hits, error) {
-	hits := newHits(rays.Len())
+	n, err := rays.count()
+	if err != nil {
+		return nil, err
+	}
+	hits := newHits(n)
 	arrays := hits.Arrays()
 	if err := tree.trace(ctx, &rays, options, ClosestHit, &arrays); err != nil {
 		return nil, err
@@ -309,7 +339,11 @@ func (tree *Tree) Trace(ctx context.Context, rays Rays, options *TraceOptions) (
 
 // Occluded tells whether each ray hits anything.
 func (tree *Tree) Occluded(ctx context.Context, rays Rays, options *TraceOptions) ([]bool, error) {
-	occluded := make([]bool, rays.Len()) // the library writes bytes 0 and 1
+	n, err := rays.count()
+	if err != nil {
+		return nil, err
+	}
+	occluded := make([]bool, n) // the library writes bytes 0 and 1
 	arrays := HitArrays{Occluded: bools(occluded)}
 	if err := tree.trace(ctx, &rays, options, AnyHit, &arrays); err != nil {
 		return nil, err
@@ -334,18 +368,17 @@ func (tree *Tree) TraceInto(ctx context.Context, rays Rays, options *TraceOption
 }
 
 func (tree *Tree) trace(ctx context.Context, rays *Rays, options *TraceOptions, query Query, hits *HitArrays) error {
-	var pinner runtime.Pinner
-	defer pinner.Unpin()
-	n := rays.Len()
-	from, err := rays.toC(&pinner)
+	var a arrays
+	defer a.pinner.Unpin()
+	from, err := rays.toC(&a)
 	if err != nil {
 		return err
 	}
-	to, err := hits.toC(&pinner, n, 1)
-	if err != nil || n == 0 {
+	to, err := hits.toC(&a, rays.Len(), 1)
+	if err != nil {
 		return err
 	}
-	return tree.with(ctx, options, query, &pinner, nil,
+	return tree.with(ctx, options, query, &a.pinner, nil,
 		func(handle *C.mlrt_tree, o *C.mlrt_trace_options, host C.bridge_host, _ C.uintptr_t) C.bridge_outcome {
 			return C.bridge_trace_packet(handle, from, o, host, to)
 		})
@@ -379,7 +412,10 @@ func (tree *Tree) one(ray *Ray, options *TraceOptions, query Query) (C.mlrt_hit,
 
 // AllHits finds all hits of each ray, in order, `capacity` at most; the totals count those beyond it, too.
 func (tree *Tree) AllHits(ctx context.Context, rays Rays, options *TraceOptions, capacity int) (*HitLists, error) {
-	n := rays.Len()
+	n, err := rays.count()
+	if err != nil {
+		return nil, err
+	}
 	if err := checkCapacity(n, capacity); err != nil {
 		return nil, err
 	}
@@ -388,7 +424,7 @@ func (tree *Tree) AllHits(ctx context.Context, rays Rays, options *TraceOptions,
 		Capacity: capacity, T: hits.T, U: hits.U, V: hits.V, Mesh: hits.Mesh, Triangle: hits.Triangle, Facing: hits.Facing,
 		Crossing: make([]uint8, n*capacity), Total: make([]uint32, n), CrossingTotal: make([]uint32, n),
 	}
-	err := tree.AllHitsInto(ctx, rays, options, HitListArrays{
+	err = tree.AllHitsInto(ctx, rays, options, HitListArrays{
 		Capacity: capacity, T: Slice(lists.T), U: Slice(lists.U), V: Slice(lists.V), Mesh: Slice(lists.Mesh),
 		Triangle: Slice(lists.Triangle), Facing: Slice(lists.Facing), Crossing: Slice(lists.Crossing),
 		Total: Slice(lists.Total), CrossingTotal: Slice(lists.CrossingTotal),
@@ -401,18 +437,17 @@ func (tree *Tree) AllHits(ctx context.Context, rays Rays, options *TraceOptions,
 
 // AllHitsInto writes all hits of each ray to arrays of the program.
 func (tree *Tree) AllHitsInto(ctx context.Context, rays Rays, options *TraceOptions, lists HitListArrays) error {
-	var pinner runtime.Pinner
-	defer pinner.Unpin()
-	n := rays.Len()
-	from, err := rays.toC(&pinner)
+	var a arrays
+	defer a.pinner.Unpin()
+	from, err := rays.toC(&a)
 	if err != nil {
 		return err
 	}
-	to, err := lists.toC(&pinner, n)
-	if err != nil || n == 0 {
+	to, err := lists.toC(&a, rays.Len())
+	if err != nil {
 		return err
 	}
-	return tree.with(ctx, options, ClosestHit, &pinner, nil,
+	return tree.with(ctx, options, ClosestHit, &a.pinner, nil,
 		func(handle *C.mlrt_tree, o *C.mlrt_trace_options, host C.bridge_host, _ C.uintptr_t) C.bridge_outcome {
 			return C.bridge_trace_all_hits(handle, from, o, host, to)
 		})
@@ -420,10 +455,10 @@ func (tree *Tree) AllHitsInto(ctx context.Context, rays Rays, options *TraceOpti
 
 // RenderHits finds the closest hits of a camera's pixels, row by row.
 func (tree *Tree) RenderHits(ctx context.Context, camera Camera, options *TraceOptions) (*Hits, error) {
-	columns, rows := camera.Size()
-	if columns*rows == 0 {
-		return nil, errNoPixels()
+	if _, err := camera.toC(); err != nil {
+		return nil, err
 	}
+	columns, rows := camera.Size()
 	hits := newHits(columns * rows)
 	var closest TraceOptions
 	if options != nil {
@@ -441,10 +476,10 @@ func (tree *Tree) RenderHits(ctx context.Context, camera Camera, options *TraceO
 // have the query, lights, and the outputs for the callback.
 //
 // The threads of the pool call it, several at a time. An error of the callback ends the render, which returns it as Cause.
-// It must not use the pool of the render, unless that is one of goroutines.
+// To use the pool of the render in it is an error, unless that is one of goroutines.
 func (tree *Tree) Render(ctx context.Context, camera Camera, options *TraceOptions, frame *HitArrays, callback func(*Tile) error) error {
-	var pinner runtime.Pinner
-	defer pinner.Unpin()
+	var a arrays
+	defer a.pinner.Unpin()
 	from, err := camera.toC()
 	if err != nil {
 		return err
@@ -452,7 +487,7 @@ func (tree *Tree) Render(ctx context.Context, camera Camera, options *TraceOptio
 	var to *C.mlrt_hits
 	if frame != nil {
 		columns, rows := camera.Size()
-		if to, err = frame.toC(&pinner, columns, rows); err != nil {
+		if to, err = frame.toC(&a, columns, rows); err != nil {
 			return err
 		}
 	}
@@ -460,7 +495,7 @@ func (tree *Tree) Render(ctx context.Context, camera Camera, options *TraceOptio
 	if options != nil {
 		query = options.Query
 	}
-	return tree.with(ctx, options, query, &pinner, callback,
+	return tree.with(ctx, options, query, &a.pinner, callback,
 		func(handle *C.mlrt_tree, o *C.mlrt_trace_options, host C.bridge_host, user C.uintptr_t) C.bridge_outcome {
 			return C.bridge_render_tiles(handle, from, o, host, to, user)
 		})
@@ -468,7 +503,11 @@ func (tree *Tree) Render(ctx context.Context, camera Camera, options *TraceOptio
 
 // OccludedPoints tells whether something lies between each point and the light.
 func (tree *Tree) OccludedPoints(ctx context.Context, points Points, light Light, options *TraceOptions) ([]bool, error) {
-	occluded := make([]bool, points.Positions.Len())
+	n := points.Positions.Len()
+	if err := checkCount("points.count", n); err != nil {
+		return nil, err
+	}
+	occluded := make([]bool, n)
 	if err := tree.OccludedPointsInto(ctx, points, light, options, bools(occluded)); err != nil {
 		return nil, err
 	}
@@ -477,24 +516,25 @@ func (tree *Tree) OccludedPoints(ctx context.Context, points Points, light Light
 
 // OccludedPointsInto writes it to an array of the program: 1 if something lies in between, 0 if nothing does.
 func (tree *Tree) OccludedPointsInto(ctx context.Context, points Points, light Light, options *TraceOptions, occluded Array[uint8]) error {
-	var pinner runtime.Pinner
-	defer pinner.Unpin()
+	var a arrays
+	defer a.pinner.Unpin()
 	n := points.Positions.Len()
-	var f first
-	in := collect[C.mlrt_const_array](&f)
 	from := C.mlrt_points{
 		struct_size: C.sizeof_mlrt_points,
 		row_length:  word(points.RowLength),
 		count:       C.size_t(n),
-		positions:   in(points.Positions.input(&pinner, "points.Positions", n)),
-		skip:        in(points.Skip.input(&pinner, "points.Skip", n)),
+		positions:   input(&a, "points.Positions", points.Positions, n),
+		skip:        input(&a, "points.Skip", points.Skip, n),
 	}
-	to := collect[C.mlrt_array](&f)(occluded.output(&pinner, "occluded", n, 1))
-	if f.err != nil || n == 0 {
-		return f.err
+	to := output(&a, "occluded", occluded, n, 1)
+	if err := a.check(); err != nil {
+		return err
+	}
+	if n == 0 { // the library wants an array, though it writes none
+		to.data = pin(&a.pinner, All[uint8](0))
 	}
 	c := light.toC()
-	return tree.with(ctx, options, AnyHit, &pinner, nil,
+	return tree.with(ctx, options, AnyHit, &a.pinner, nil,
 		func(handle *C.mlrt_tree, o *C.mlrt_trace_options, host C.bridge_host, _ C.uintptr_t) C.bridge_outcome {
 			return C.bridge_occluded_points(handle, &from, &c, o, host, &to)
 		})
@@ -526,6 +566,6 @@ func (tree *Tree) OffsetPoint(mesh, triangle uint32, u, v float32, side int) (po
 	}
 	defer release()
 	var c [3]C.float
-	err = check(C.bridge_offset_point(handle, C.uint32_t(mesh), C.uint32_t(triangle), C.float(u), C.float(v), C.int32_t(side), &c[0]))
+	err = check(C.bridge_offset_point(handle, C.uint32_t(mesh), C.uint32_t(triangle), C.float(u), C.float(v), code(side), &c[0]))
 	return floats(c), err
 }
