@@ -3,6 +3,10 @@ package mlrt;
 
 import java.lang.foreign.MemorySegment;
 import java.nio.Buffer;
+import java.nio.ByteOrder;
+import java.nio.FloatBuffer;
+import java.nio.IntBuffer;
+import java.nio.ShortBuffer;
 
 /**
  * Elements in memory: packed, or with a stride. Native segments, those of direct buffers too, are used as they are; heap
@@ -33,6 +37,14 @@ public record Array(MemorySegment data, long stride, long rowStride) {
      * @return the array
      */
     public static Array of(Buffer data) {
+        var order = switch (data) {
+            case FloatBuffer numbers -> numbers.order();
+            case IntBuffer numbers -> numbers.order();
+            case ShortBuffer numbers -> numbers.order();
+            default -> ByteOrder.nativeOrder();
+        };
+        if (order != ByteOrder.nativeOrder())
+            throw new IllegalArgumentException("a buffer of the other byte order: its ByteBuffer needs order(ByteOrder.nativeOrder()) before");
         return of(MemorySegment.ofBuffer(data));
     }
 
@@ -124,6 +136,16 @@ public record Array(MemorySegment data, long stride, long rowStride) {
         long step = stride == 0 ? size : stride;
         long rowStep = rowStride == 0 ? reach(columns, step, 0) : rowStride;
         checkRoom(columns == 0 || rows == 0 ? 0 : reach(rows - 1, rowStep, reach(columns - 1, step, size)), name);
+        if (rowsOverlap(columns, rows, step, size)) throw new IllegalArgumentException(name + ": rows " + rowStride + " bytes apart overlap");
+    }
+
+    /** Rows may lie within each other, as those of a transposed picture do. There must be space for all. */
+    private boolean rowsOverlap(long columns, long rows, long step, int size) {
+        for (long row = 1; rowStride > 0 && row < rows && row * rowStride / step < columns; row++) {
+            long column = row * rowStride / step, rest = row * rowStride % step;
+            if (rest < size || column + 1 < columns && step - rest < size) return true;
+        }
+        return false;
     }
 
     private void checkRoom(long needed, String name) {
@@ -132,14 +154,14 @@ public record Array(MemorySegment data, long stride, long rowStride) {
     }
 
     float getFloat(long i) {
-        return data.get(Native.F, i * (stride == 0 ? Float.BYTES : stride));
+        return data.get(Native.F, Math.multiplyExact(i, stride == 0 ? Float.BYTES : stride));
     }
 
     int getInt(long i) {
-        return data.get(Native.I, i * (stride == 0 ? Integer.BYTES : stride));
+        return data.get(Native.I, Math.multiplyExact(i, stride == 0 ? Integer.BYTES : stride));
     }
 
     byte getByte(long i) {
-        return data.get(java.lang.foreign.ValueLayout.JAVA_BYTE, i * (stride == 0 ? 1 : stride));
+        return data.get(java.lang.foreign.ValueLayout.JAVA_BYTE, Math.multiplyExact(i, stride == 0 ? 1 : stride));
     }
 }

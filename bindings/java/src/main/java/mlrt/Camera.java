@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 package mlrt;
 
+import java.lang.foreign.MemorySegment;
+
 /**
  * A camera. Pixel (i, j) has the vector p = d00 + (i + sampleX) dx + (j + sampleY) dy. The ray of a pinhole camera has the
  * origin eye and the direction p, that of a parallel one the origin p and one direction for all.
@@ -24,8 +26,8 @@ public final class Camera {
 
     private Camera(boolean parallel, int width, int height, float[] eyeOrDirection, float[] d00, float[] dx, float[] dy) {
         this.parallel = parallel;
-        this.width = width;
-        this.height = height;
+        this.width = MlrtException.notNegative("camera.width", width);
+        this.height = MlrtException.notNegative("camera.height", height);
         this.eyeOrDirection = eyeOrDirection.clone();
         this.d00 = d00.clone();
         this.dx = dx.clone();
@@ -109,10 +111,10 @@ public final class Camera {
      * @return this
      */
     public Camera crop(int x, int y, int columns, int rows) {
-        cropX = x;
-        cropY = y;
-        cropWidth = columns;
-        cropHeight = rows;
+        cropX = MlrtException.notNegative("camera.crop_x", x);
+        cropY = MlrtException.notNegative("camera.crop_y", y);
+        cropWidth = MlrtException.notNegative("camera.crop_width", columns);
+        cropHeight = MlrtException.notNegative("camera.crop_height", rows);
         return this;
     }
 
@@ -158,6 +160,16 @@ public final class Camera {
      */
     public int rows() {
         return cropHeight > 0 ? cropHeight : Math.max(0, height - cropY);
+    }
+
+    /** How many pixels it renders. Throws what the library says is wrong with it, before memory is taken for them. */
+    long pixels() {
+        try (var call = new Call()) {
+            call.check((int) Native.CAMERA_RAYS.invokeExact(toStruct(call).memory(), MemorySegment.NULL, MemorySegment.NULL));
+            return (long) columns() * rows();
+        } catch (Throwable problem) {
+            throw Native.unexpected(problem);
+        }
     }
 
     Native.Struct toStruct(Call call) {

@@ -1,18 +1,25 @@
 // SPDX-License-Identifier: MIT
 package mlrt;
 
-import java.lang.foreign.Arena;
-import java.lang.foreign.MemorySegment;
+import java.util.HashMap;
+import java.util.Map;
 
-/** Counts of the work of tracing, to which calls with {@link TraceOptions#counters} add, one at a time. */
+/** Counts of the work of tracing, to which calls with {@link TraceOptions#counters} add when they end. */
 public final class Counters {
-    private final Native.Struct struct = Native.Struct.make(Native.COUNTERS, Arena.ofAuto());
+    private final Map<String, Long> counts = new HashMap<>();
 
     /** All zero. */
     public Counters() {}
 
-    MemorySegment memory() {
-        return struct.memory();
+    /** Adds those of a call. */
+    synchronized void add(Native.Struct call) {
+        for (String name : Native.COUNTERS.offsets().keySet()) {
+            if (name.endsWith("_count") || name.endsWith("_sum")) counts.merge(name, call.getLong(name), Long::sum);
+        }
+    }
+
+    private synchronized long get(String name) {
+        return counts.getOrDefault(name, 0L);
     }
 
     /**
@@ -21,7 +28,7 @@ public final class Counters {
      * @return the count
      */
     public long rayCount() {
-        return struct.getLong("ray_count");
+        return get("ray_count");
     }
 
     /**
@@ -30,7 +37,7 @@ public final class Counters {
      * @return the count
      */
     public long packetCount() {
-        return struct.getLong("packet_count");
+        return get("packet_count");
     }
 
     /**
@@ -39,7 +46,7 @@ public final class Counters {
      * @return the count
      */
     public long beamCount() {
-        return struct.getLong("beam_count");
+        return get("beam_count");
     }
 
     /**
@@ -48,7 +55,7 @@ public final class Counters {
      * @return the count
      */
     public long cellCount() {
-        return struct.getLong("cell_count");
+        return get("cell_count");
     }
 
     /**
@@ -57,7 +64,7 @@ public final class Counters {
      * @return the count
      */
     public long entryPointCellCount() {
-        return struct.getLong("entry_point_cell_count");
+        return get("entry_point_cell_count");
     }
 
     /**
@@ -66,7 +73,7 @@ public final class Counters {
      * @return the count
      */
     public long triangleTestCount() {
-        return struct.getLong("triangle_test_count");
+        return get("triangle_test_count");
     }
 
     /**
@@ -75,7 +82,7 @@ public final class Counters {
      * @return the count
      */
     public long judgedLaneCount() {
-        return struct.getLong("judged_lane_count");
+        return get("judged_lane_count");
     }
 
     /**
@@ -84,7 +91,7 @@ public final class Counters {
      * @return the count
      */
     public long entryPointCount() {
-        return struct.getLong("entry_point_count");
+        return get("entry_point_count");
     }
 
     /**
@@ -93,7 +100,7 @@ public final class Counters {
      * @return the count
      */
     public long entryPointDepthSum() {
-        return struct.getLong("entry_point_depth_sum");
+        return get("entry_point_depth_sum");
     }
 
     /**
@@ -102,7 +109,7 @@ public final class Counters {
      * @return the count
      */
     public long missedBeamCount() {
-        return struct.getLong("missed_beam_count");
+        return get("missed_beam_count");
     }
 
     /**
@@ -111,7 +118,7 @@ public final class Counters {
      * @return the count
      */
     public long coveredBeamCount() {
-        return struct.getLong("covered_beam_count");
+        return get("covered_beam_count");
     }
 
     /**
@@ -120,7 +127,7 @@ public final class Counters {
      * @return the count
      */
     public long undecidedCullCount() {
-        return struct.getLong("undecided_cull_count");
+        return get("undecided_cull_count");
     }
 
     /**
@@ -129,7 +136,7 @@ public final class Counters {
      * @return the count
      */
     public long undecidedCheckedCount() {
-        return struct.getLong("undecided_checked_count");
+        return get("undecided_checked_count");
     }
 
     /**
@@ -138,7 +145,7 @@ public final class Counters {
      * @return the count
      */
     public long laneTestCount() {
-        return struct.getLong("lane_test_count");
+        return get("lane_test_count");
     }
 
     /**
@@ -147,7 +154,7 @@ public final class Counters {
      * @return the count
      */
     public long undecidedTestCount() {
-        return struct.getLong("undecided_test_count");
+        return get("undecided_test_count");
     }
 
     /**
@@ -156,7 +163,7 @@ public final class Counters {
      * @return the count
      */
     public long tieLaneCount() {
-        return struct.getLong("tie_lane_count");
+        return get("tie_lane_count");
     }
 
     /**
@@ -165,7 +172,7 @@ public final class Counters {
      * @return the count
      */
     public long exactEdgeCount() {
-        return struct.getLong("exact_edge_count");
+        return get("exact_edge_count");
     }
 
     /**
@@ -174,7 +181,7 @@ public final class Counters {
      * @return the count
      */
     public long exactRangeCount() {
-        return struct.getLong("exact_range_count");
+        return get("exact_range_count");
     }
 
     /**
@@ -183,6 +190,6 @@ public final class Counters {
      * @return the count
      */
     public long exactOrderCount() {
-        return struct.getLong("exact_order_count");
+        return get("exact_order_count");
     }
 }

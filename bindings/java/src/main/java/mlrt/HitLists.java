@@ -30,7 +30,8 @@ public record HitLists(int capacity, Array t, Array u, Array v, Array mesh, Arra
      */
     public static HitLists allocate(long rays, int capacity, Arena arena) {
         Array[] arrays = new Array[9];
-        if (rays < 0 || capacity < 0 || Math.multiplyHigh(4 * (long) capacity, rays) != 0)
+        MlrtException.checkCount("rays.count", rays);
+        if (capacity < 0 || capacity > 0 && rays > Long.MAX_VALUE / 4 / capacity)
             throw new IllegalArgumentException("lists: no room for " + rays + " rays of " + capacity + " hits");
         for (int i = 0; i < 7 && capacity > 0; i++) arrays[i] = Array.of(arena.allocate((i < 6 ? 4 : 1) * rays * capacity, 64));
         for (int i = 7; i < 9; i++) arrays[i] = Array.of(arena.allocate(4 * rays, 64));

@@ -25,6 +25,7 @@ public record Hits(Array t, Array u, Array v, Array mesh, Array triangle, Array 
      * @return the arrays, without `occluded`
      */
     public static Hits allocate(long count, Arena arena) {
+        MlrtException.checkCount("hits", count);
         Array[] arrays = new Array[6];
         for (int i = 0; i < 6; i++) arrays[i] = Array.of(arena.allocate(4 * count, 64));
         return new Hits(arrays[0], arrays[1], arrays[2], arrays[3], arrays[4], arrays[5], null);
@@ -48,6 +49,7 @@ public record Hits(Array t, Array u, Array v, Array mesh, Array triangle, Array 
      * @return `occluded` alone
      */
     public static Hits allocateOccluded(long count, Arena arena) {
+        MlrtException.checkCount("hits", count);
         return new Hits(null, null, null, null, null, null, Array.of(arena.allocate(count, 64)));
     }
 

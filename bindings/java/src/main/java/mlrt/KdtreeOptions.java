@@ -76,7 +76,7 @@ public final class KdtreeOptions {
      * @return this
      */
     public KdtreeOptions memoryLimit(long value) {
-        memoryLimit = value;
+        memoryLimit = MlrtException.notNegative("memoryLimit", value);
         return this;
     }
 
@@ -87,7 +87,7 @@ public final class KdtreeOptions {
      * @return this
      */
     public KdtreeOptions maxReferences(long value) {
-        maxReferences = value;
+        maxReferences = MlrtException.notNegative("maxReferences", value);
         return this;
     }
 
@@ -98,7 +98,7 @@ public final class KdtreeOptions {
      * @return this
      */
     public KdtreeOptions maxDepth(int value) {
-        maxDepth = value;
+        maxDepth = MlrtException.notNegative("maxDepth", value);
         return this;
     }
 

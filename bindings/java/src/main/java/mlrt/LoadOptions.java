@@ -40,7 +40,7 @@ public final class LoadOptions {
      * @return this
      */
     public LoadOptions memoryLimit(long value) {
-        memoryLimit = value;
+        memoryLimit = MlrtException.notNegative("memoryLimit", value);
         return this;
     }
 

@@ -98,6 +98,8 @@ public final class Mesh {
             struct.set("struct_size", (int) Native.MESH.size()).set("id", mesh.id).set("mask", mesh.mask)
                 .set("vertices", call.toNative(mesh.vertices.data())).set("vertex_count", vertices)
                 .set("vertex_stride", mesh.vertices.stride()).set("index_size", mesh.indexSize).set("triangle_count", vertices / 3);
+            if (mesh.indices == null && vertices % 3 != 0)
+                throw new IllegalArgumentException(name + "vertices: " + vertices + " are not three for each triangle");
             if (mesh.indices == null) continue;
             if (mesh.indexSize != 2 && mesh.indexSize != 4) throw new IllegalArgumentException(name + "indexSize: " + mesh.indexSize + " is not 2 or 4");
             struct.set("indices", call.toNative(mesh.indices.data())).set("triangle_stride", mesh.indices.stride())

@@ -128,7 +128,7 @@ public final class Mlrt {
      * @return the rays, in memory that the garbage collector frees
      */
     public static Rays cameraRays(Camera camera) {
-        long count = (long) camera.columns() * camera.rows();
+        long count = camera.pixels();
         var arena = Arena.ofAuto();
         var origins = arena.allocate(12 * count, 64);
         var directions = arena.allocate(12 * count, 64);
@@ -147,8 +147,8 @@ public final class Mlrt {
         try (var call = new Call()) {
             // Two arrays, as a struct has them.
             var arrays = call.struct(Native.HITS);
-            call.output(arrays, "t", origins, camera.columns(), camera.rows(), 12);
-            call.output(arrays, "u", directions, camera.columns(), camera.rows(), 12);
+            call.output(arrays, "t", origins, camera.columns(), camera.rows(), 12, "origins");
+            call.output(arrays, "u", directions, camera.columns(), camera.rows(), 12, "directions");
             var first = arrays.memory().asSlice(Native.HITS.offsets().get("t"), Native.ARRAY.size());
             var second = arrays.memory().asSlice(Native.HITS.offsets().get("u"), Native.ARRAY.size());
             call.check((int) Native.CAMERA_RAYS.invokeExact(camera.toStruct(call).memory(), first, second));

@@ -41,6 +41,25 @@ public final class MlrtException extends RuntimeException {
         this.code = code;
     }
 
+    /** Refuses what the library does, before memory is taken for it. */
+    static long checkCount(String name, long count) {
+        if (count < 0) throw new IllegalArgumentException(name + ": " + count + " is below 0");
+        if (count > Integer.MAX_VALUE) throw new MlrtException(Status.TOO_LARGE.ordinal(), name + ": " + count + " is more than " + Integer.MAX_VALUE);
+        return count;
+    }
+
+    /** A number that is one of C's unsigned ones. */
+    static int notNegative(String name, int value) {
+        if (value < 0) throw new IllegalArgumentException(name + ": " + value + " is below 0");
+        return value;
+    }
+
+    /** A number that is one of C's unsigned ones. */
+    static long notNegative(String name, long value) {
+        if (value < 0) throw new IllegalArgumentException(name + ": " + value + " is below 0");
+        return value;
+    }
+
     /**
      * What went wrong, in one word.
      *

@@ -19,10 +19,11 @@ public record Points(Array positions, Array skip, int rowLength) {
     }
 
     long count() {
+        MlrtException.notNegative("points.rowLength", rowLength);
         if (positions.stride() == Array.STRIDE_ALL) throw new IllegalArgumentException("positions: one point for all is no list");
-        if (positions.stride() == 0) return positions.count(12);
         long bytes = positions.data().byteSize();
-        return bytes < 12 ? 0 : (bytes - 12) / positions.stride() + 1;
+        long count = positions.stride() == 0 ? positions.count(12) : bytes < 12 ? 0 : (bytes - 12) / positions.stride() + 1;
+        return MlrtException.checkCount("points.count", count);
     }
 
     Native.Struct toStruct(Call call) {

@@ -11,6 +11,7 @@ import java.lang.invoke.MethodHandle;
 import java.lang.invoke.MethodHandles;
 import java.lang.invoke.MethodType;
 import java.util.Map;
+import java.util.Objects;
 import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.Executor;
 import java.util.concurrent.FutureTask;
@@ -44,7 +45,7 @@ public final class Pool extends Handle {
             long number = last.incrementAndGet();
             tasks.put(number, task);
             try {
-                executor.execute(task);
+                executor.execute(task::run); // not the task, which whoever has it could cancel
             } catch (Throwable refused) {
                 // finish runs it
             }
@@ -77,17 +78,22 @@ public final class Pool extends Handle {
         }
     }
 
+    /** Whether a call with it waits for another one, and so must not be made in a callback of that. */
+    final boolean ownThreads;
+
     /**
      * Threads of its own. Calls that share the pool wait for each other.
      *
      * @param threads how many are at work, the calling one included, 1..1024; 0 = one per processor
      */
     public Pool(int threads) {
-        super(create(threads), Native.DESTROY_POOL, null);
+        super(create(MlrtException.notNegative("threads", threads)), Native.DESTROY_POOL, null);
+        ownThreads = true;
     }
 
     private Pool(MemorySegment pool, Arena stubs) {
         super(pool, Native.DESTROY_POOL, stubs);
+        ownThreads = false;
     }
 
     /**
@@ -98,6 +104,8 @@ public final class Pool extends Handle {
      * @return the pool
      */
     public static Pool of(Executor executor, int tasks) {
+        Objects.requireNonNull(executor, "executor");
+        MlrtException.notNegative("tasks", tasks);
         var stubs = Arena.ofShared();
         try (var call = new Call()) {
             var hooks = new Tasks(executor);

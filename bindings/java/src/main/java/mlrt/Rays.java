@@ -85,6 +85,7 @@ public final class Rays {
      * @return this
      */
     public Rays raysPerOrigin(int value) {
+        if (value < 1) throw new IllegalArgumentException("raysPerOrigin: " + value + " is below 1");
         raysPerOrigin = value;
         return this;
     }
@@ -96,7 +97,7 @@ public final class Rays {
      * @return this
      */
     public Rays rowLength(int value) {
-        rowLength = value;
+        rowLength = MlrtException.notNegative("rowLength", value);
         return this;
     }
 
@@ -107,7 +108,7 @@ public final class Rays {
      * @return this
      */
     public Rays count(long value) {
-        count = value;
+        count = MlrtException.checkCount("rays.count", value);
         return this;
     }
 
@@ -119,14 +120,14 @@ public final class Rays {
     long count() {
         long[] found = {count, count(directions, 12), count(tMax, 4), count(mask, 4)};
         for (long number : found) {
-            if (number >= 0) return number;
+            if (number >= 0) return MlrtException.checkCount("rays.count", number);
         }
-        if (origins.count(12) < 0) throw new IllegalArgumentException("count: it is needed, since no array of rays is packed");
-        return origins.count(12) * raysPerOrigin;
+        long groups = count(origins, 12);
+        if (groups < 0) throw new IllegalArgumentException("count: it is needed, since no array of rays is packed");
+        return MlrtException.checkCount("rays.count", MlrtException.checkCount("rays.count", groups) * raysPerOrigin);
     }
 
     Native.Struct toStruct(Call call) {
-        if (raysPerOrigin < 1) throw new IllegalArgumentException("raysPerOrigin: " + raysPerOrigin + " is below 1");
         long rays = count(), groups = rays / raysPerOrigin;
         var struct = call.struct(Native.RAYS).set("row_length", rowLength).set("count", rays).set("rays_per_origin", raysPerOrigin);
         call.input(struct, "origins", origins, groups, 12, "origins");

@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: MIT
 package mlrt;
 
+import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
 import mlrt.Native.Struct;
 
-/** The results of a finished tile, in memory that is the library's until the callback returns: row by row. */
+/**
+ * The results of a finished tile, row by row, in memory that is the library's: for the thread of the callback, until it
+ * returns. Then, and elsewhere, reading it is an IllegalStateException or a WrongThreadException.
+ */
 public final class Tile {
     private final Struct struct;
+    private final Arena arena;
 
-    Tile(MemorySegment tile) {
-        struct = new Struct(Native.TILE, tile.reinterpret(Native.TILE.size()));
+    /** A tile that can be read until an arena is closed. */
+    Tile(MemorySegment tile, Arena arena) {
+        struct = new Struct(Native.TILE, tile.reinterpret(Native.TILE.size(), arena, null));
+        this.arena = arena;
     }
 
     /**
@@ -59,7 +66,7 @@ public final class Tile {
 
     private Array array(String name, int size) {
         var address = struct.getAddress(name);
-        return address.address() == 0 ? null : Array.of(address.reinterpret((long) width() * height() * size).asReadOnly());
+        return address.address() == 0 ? null : Array.of(address.reinterpret((long) width() * height() * size, arena, null).asReadOnly());
     }
 
     /**

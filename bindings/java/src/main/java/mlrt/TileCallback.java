@@ -7,7 +7,7 @@ public interface TileCallback {
     /**
      * Receives a tile. An exception ends the render, which throws it.
      *
-     * @param tile the tile, which is valid until this returns
+     * @param tile the tile, which this thread can read until this returns
      * @return true to go on; false to end the render with {@link MlrtException.Status#CANCELLED}
      */
     boolean accept(Tile tile);

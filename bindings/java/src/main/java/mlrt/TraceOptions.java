@@ -146,7 +146,7 @@ public final class TraceOptions {
      * @return this
      */
     public TraceOptions initialTileSize(int value) {
-        initialTileSize = value;
+        initialTileSize = MlrtException.notNegative("initialTileSize", value);
         return this;
     }
 
@@ -157,7 +157,7 @@ public final class TraceOptions {
      * @return this
      */
     public TraceOptions minimumTileSize(int value) {
-        minimumTileSize = value;
+        minimumTileSize = MlrtException.notNegative("minimumTileSize", value);
         return this;
     }
 
@@ -168,7 +168,7 @@ public final class TraceOptions {
      * @return this
      */
     public TraceOptions splitFactor(int value) {
-        splitFactor = value;
+        splitFactor = MlrtException.notNegative("splitFactor", value);
         return this;
     }
 
@@ -279,7 +279,7 @@ public final class TraceOptions {
             .set("initial_tile_size", initialTileSize).set("minimum_tile_size", minimumTileSize)
             .set("split_factor", splitFactor).set("shortcuts_off", shortcutsOff).set("mask", mask)
             .set("pool", call.hold(pool)).set("host", call.host(progress, log));
-        if (counters != null) struct.set("counters", call.toNative(counters.memory()));
+        if (counters != null) struct.set("counters", call.count(counters));
         if (!rendering) return struct;
         if (lights.length > 0) struct.set("lights", Light.toNative(lights, call)).set("light_count", lights.length);
         return struct.set("outputs", outputs.stream().mapToInt(output -> 1 << output.ordinal()).sum());

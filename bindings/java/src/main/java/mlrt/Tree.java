@@ -292,7 +292,7 @@ public final class Tree extends Handle {
      * @return the results, in memory that the garbage collector frees
      */
     public Hits render(Camera camera, TraceOptions options) {
-        var frame = Hits.allocateFor(options, (long) camera.columns() * camera.rows());
+        var frame = Hits.allocateFor(options, camera.pixels());
         render(camera, options, frame, null);
         return frame;
     }

@@ -64,7 +64,7 @@ public final class TreeOptions {
      * @return this
      */
     public TreeOptions memoryLimit(long value) {
-        memoryLimit = value;
+        memoryLimit = MlrtException.notNegative("memoryLimit", value);
         return this;
     }
 

@@ -14,6 +14,7 @@ import java.util.Arrays;
 import java.util.Collections;
 import java.util.List;
 import java.util.concurrent.Executors;
+import java.util.concurrent.Future;
 import mlrt.MlrtException.Status;
 import mlrt.TraceOptions.Method;
 import mlrt.TraceOptions.Output;
@@ -382,6 +383,135 @@ final class Test {
         fails(ArithmeticException.class, () -> tree.render(camera(), options, null, tile -> enough()));
     }
 
+    /** Without memory for results, which would be too much of it. */
+    private static void testRefused(Tree tree) {
+        var one = Array.all(0f, 0f, 1f);
+        var options = new TraceOptions();
+        for (long count : new long[] {1L << 31, 1L << 33, 1L << 62}) {
+            fails(Status.TOO_LARGE, () -> tree.trace(new Rays(one, one).count(count), options));
+            fails(Status.TOO_LARGE, () -> tree.occluded(new Rays(one, one).count(count), options));
+            fails(Status.TOO_LARGE, () -> tree.allHits(new Rays(one, one).count(count), 0, options));
+            fails(Status.TOO_LARGE, () -> Hits.allocate(count, Arena.global()));
+            fails(Status.TOO_LARGE, () -> Hits.allocateOccluded(count, Arena.global()));
+            fails(Status.TOO_LARGE, () -> HitLists.allocate(count, 0, Arena.global()));
+        }
+        fails(Status.TOO_LARGE, () -> tree.trace(new Rays(Array.of(new float[12]), one).raysPerOrigin(1 << 30), options));
+        var large = Camera.lookAt(new float[] {0, 0, -30}, new float[3], new float[] {0, 1, 0}, 45, 1 << 23, 1 << 23);
+        fails(Status.TOO_LARGE, () -> tree.render(large, options));
+        fails(Status.TOO_LARGE, () -> Mlrt.cameraRays(large));
+        List<Runnable> negative = List.of(() -> rays().count(-5), () -> rays().raysPerOrigin(-1), () -> rays().rowLength(-1),
+            () -> Hits.allocate(-1, Arena.global()), () -> camera().crop(0, 0, -3, 0), () -> new Pool(-1), () -> Pool.of(Runnable::run, -1),
+            () -> Camera.pinhole(-1, 4, new float[3], new float[3], new float[3], new float[3]), () -> options.initialTileSize(-16),
+            () -> new TreeOptions().memoryLimit(1 << 31), () -> new LoadOptions().memoryLimit(-1),
+            () -> new KdtreeOptions().memoryLimit(-1), () -> new KdtreeOptions().maxReferences(-1));
+        for (var call : negative) require(fails(IllegalArgumentException.class, call).getMessage().contains("below"), "what is below 0");
+        fails(IllegalArgumentException.class, () -> Tree.build(new Mesh(new float[15])));
+        fails(NullPointerException.class, () -> Pool.of(null, 2));
+        fails(ArithmeticException.class, () -> tree.trace(ORIGINS, DIRECTIONS).t(1L << 62));
+        var other = ByteOrder.nativeOrder() == ByteOrder.LITTLE_ENDIAN ? ByteOrder.BIG_ENDIAN : ByteOrder.LITTLE_ENDIAN;
+        var bytes = ByteBuffer.allocateDirect(12).order(other);
+        fails(IllegalArgumentException.class, () -> Array.of(bytes.asFloatBuffer()));
+        fails(IllegalArgumentException.class, () -> Array.of(bytes.asIntBuffer()));
+        fails(IllegalArgumentException.class, () -> Array.of(bytes.asShortBuffer()));
+    }
+
+    private static void sharesMemory(Runnable call) {
+        require(fails(IllegalArgumentException.class, call).getMessage().contains("shares memory"), "shared memory");
+    }
+
+    /** Results that have bytes in common with each other, or with rays. */
+    private static void testSharedMemory(Tree tree, Hits hits) {
+        var options = new TraceOptions();
+        var arena = Arena.ofAuto();
+        var room = arena.allocate(24 * COUNT, 64);
+        var both = arena.allocate(28 * COUNT, 64);
+        for (int i = 0; i < COUNT; i++) {
+            MemorySegment.copy(ORIGINS, 3 * i, both, ValueLayout.JAVA_FLOAT, 28 * i, 3);
+            MemorySegment.copy(DIRECTIONS, 3 * i, both, ValueLayout.JAVA_FLOAT, 28 * i + 12, 3);
+        }
+        var strided = new Rays(Array.strided(both, 28), Array.strided(both.asSlice(12), 28)).count(COUNT);
+        sharesMemory(() -> tree.trace(rays(), options, closest(Array.of(room), Array.of(room.asSlice(4 * COUNT - 4)))));
+        sharesMemory(() -> tree.trace(rays(), options, closest(Array.strided(room, 24), Array.of(room.asSlice(24)))));
+        sharesMemory(() -> tree.trace(rays(), options, closest(Array.strided(room, 12), Array.strided(room.asSlice(12), 12))));
+        sharesMemory(() -> tree.trace(strided, options, closest(Array.strided(both.asSlice(20), 28), null)));
+        sharesMemory(() -> tree.allHits(rays(), options, new HitLists(0, null, null, null, null, null, null, null, Array.of(room), Array.of(room))));
+        sharesMemory(() -> Mlrt.cameraRays(camera().crop(0, 0, 2, 2), Array.of(room), Array.of(room.asSlice(36))));
+
+        // Records, halves and rows in turn do not.
+        tree.trace(strided, options, closest(Array.strided(both.asSlice(24), 28), Array.of(room)));
+        for (int i = 0; i < COUNT; i++) {
+            require(both.getAtIndex(ValueLayout.JAVA_FLOAT, 7 * i + 6) == hits.t(i) && room.getAtIndex(ValueLayout.JAVA_FLOAT, i) == hits.u(i), "records");
+        }
+        var part = camera().crop(0, 0, 16, 12);
+        var picture = tree.render(part, options);
+        tree.render(part, options, closest(new Array(room, 0, 128), new Array(room.asSlice(64), 0, 128)), null);
+        for (int i = 0; i < 192; i++) {
+            require(room.getAtIndex(ValueLayout.JAVA_FLOAT, i / 16 * 32 + i % 16) == picture.t(i)
+                && room.getAtIndex(ValueLayout.JAVA_FLOAT, i / 16 * 32 + 16 + i % 16) == picture.u(i), "rows in turn");
+        }
+        tree.render(part, options, closest(new Array(room, 48, 4), null), null); // transposed
+        for (int i = 0; i < 192; i++) require(room.getAtIndex(ValueLayout.JAVA_FLOAT, i / 16 + i % 16 * 12) == picture.t(i), "transposed");
+        sharesMemory(() -> tree.render(part, options, closest(new Array(room, 0, 128), new Array(room.asSlice(60), 0, 128)), null));
+        for (var rows : new Array[] {new Array(room, 0, 60), new Array(room, 44, 4), new Array(room, 8, 64)}) {
+            require(fails(IllegalArgumentException.class, () -> tree.render(part, options, closest(rows, null), null)).getMessage().contains("overlap"), "rows");
+        }
+    }
+
+    private static Hits closest(Array t, Array u) {
+        return new Hits(t, u, null, null, null, null, null);
+    }
+
+    /** What would wait for itself, and what is the library's no longer. */
+    private static void testWithinCallbacks(Tree tree) throws InterruptedException {
+        var many = new Rays(Array.all(0f, 0f, 0f), Array.of(new float[900000]));
+        var options = new TraceOptions().outputs(Output.T).initialTileSize(16);
+        List<Tile> tiles = Collections.synchronizedList(new ArrayList<>());
+        List<Hits> hits = Collections.synchronizedList(new ArrayList<>());
+        try (var own = new Pool(2); var other = new Pool(2)) {
+            options.pool(own);
+            var thread = new Thread(() -> {
+                fails(IllegalStateException.class, () -> tree.render(camera(), options, null, tile -> {
+                    tree.trace(many, new TraceOptions().pool(own));
+                    return true;
+                }));
+                fails(IllegalStateException.class, () -> tree.render(camera(), options, null, tile -> {
+                    tree.render(camera(), new TraceOptions().outputs(Output.T), null, inner -> {
+                        tree.trace(many, new TraceOptions().pool(own));
+                        return true;
+                    });
+                    return true;
+                }));
+                tree.render(camera(), options, null, tile -> {
+                    tiles.add(tile);
+                    hits.add(tile.hits());
+                    tree.trace(many, new TraceOptions().pool(other));
+                    return true;
+                });
+            });
+            thread.setDaemon(true);
+            thread.start();
+            thread.join(60000);
+            require(!thread.isAlive(), "a call in a callback waits for itself");
+        }
+        require(tiles.size() == 6, "tiles");
+        for (var tile : tiles) fails(RuntimeException.class, tile::width); // ended, or of another thread
+        for (var array : hits) fails(RuntimeException.class, () -> array.t(0));
+
+        // Counts of calls at once, and in callbacks.
+        var counters = new Counters();
+        tree.render(camera(), new TraceOptions().outputs(Output.T).counters(counters).initialTileSize(16), null, tile -> {
+            tree.trace(rays(), new TraceOptions().counters(counters));
+            return counters.rayCount() % COUNT == 0;
+        });
+        require(counters.rayCount() == 1200 + 6 * COUNT, "counts " + counters.rayCount());
+        // An executor must not be able to cancel what the library waits for.
+        List<Runnable> tasks = Collections.synchronizedList(new ArrayList<>());
+        try (var pool = Pool.of(tasks::add, 4)) {
+            tree.render(camera(), new TraceOptions().pool(pool).initialTileSize(4));
+        }
+        require(!tasks.isEmpty() && tasks.stream().noneMatch(task -> task instanceof Future), "tasks that can be cancelled");
+    }
+
     private static void testErrors(Tree tree, Pool pool) {
         var wrong = new Mesh(new float[9], new int[] {0, 1, 2, 0, 1, 3});
         var problem = fails(MlrtException.class, () -> Tree.build(wrong));
@@ -396,12 +526,12 @@ final class Test {
 
         // Sizes that are 0, or little, modulo 2^64.
         var empty = Array.of(new float[0]);
-        fails(IllegalArgumentException.class, () -> tree.occluded(new Rays(empty, empty).count(1L << 62), new TraceOptions()));
-        var two = Array.strided(MemorySegment.ofArray(new float[6]), 1 << 30);
-        fails(IndexOutOfBoundsException.class, () -> tree.trace(new Rays(two, two).count((1L << 34) + 1), new TraceOptions(),
+        fails(Status.TOO_LARGE, () -> tree.occluded(new Rays(empty, empty).count(1L << 62), new TraceOptions()));
+        var two = Array.strided(MemorySegment.ofArray(new float[6]), 1L << 40);
+        fails(IndexOutOfBoundsException.class, () -> tree.trace(new Rays(two, two).count((1L << 24) + 1), new TraceOptions(),
             new Hits(null, null, null, null, null, null, null)));
         fails(IllegalArgumentException.class, () -> tree.allHits(rays(), -1, new TraceOptions()));
-        fails(IllegalArgumentException.class, () -> HitLists.allocate(1L << 40, 1 << 22, Arena.global()));
+        fails(IllegalArgumentException.class, () -> HitLists.allocate(Integer.MAX_VALUE, Integer.MAX_VALUE, Arena.global()));
         try (var arena = Arena.ofConfined()) {
             var one = Array.of(arena.allocate(4 * COUNT, 64));
             fails(IllegalArgumentException.class, () -> tree.allHits(rays(), new TraceOptions(), new HitLists(-1, one, null, null, null, null, null, null, null, null)));
@@ -452,6 +582,9 @@ final class Test {
         testLists(tree, pool, hits);
         testSingle(tree, hits);
         testPictures(tree, pool);
+        testRefused(tree);
+        testSharedMemory(tree, hits);
+        testWithinCallbacks(tree);
         testErrors(tree, pool);
 
         System.out.printf("%016x%n", hash);
