@@ -229,6 +229,15 @@ func checkCount(name string, count int) error {
 	return nil
 }
 
+// checkMemory fails where the system has no memory for `count` results of `size` bytes each: Go would end the program.
+func checkMemory(count, size int) error {
+	const enough = 1 << 28
+	if count <= enough/size || count <= math.MaxInt/size && C.bridge_has_memory(C.size_t(count)*C.size_t(size)) != 0 {
+		return nil
+	}
+	return &Error{Status: OutOfMemory, Message: fmt.Sprintf("%d results of %d bytes each", count, size)}
+}
+
 // word is a number for the C interface. One that does not fit, of which C would take the low bits, becomes the greatest:
 // the library refuses that where it is not a mere hint.
 func word(value int) C.uint32_t {

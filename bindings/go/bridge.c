@@ -12,6 +12,14 @@ static bridge_outcome end_call(int32_t status)
     return outcome;
 }
 
+int32_t bridge_has_memory(size_t size)
+{
+    void *volatile memory = malloc(size); /* volatile: compilers may leave out what is freed at once */
+    const int32_t has = memory != NULL;
+    free(memory);
+    return has;
+}
+
 /* The call whose callback this thread runs, or 0. */
 static __thread uintptr_t current_call;
 

@@ -28,6 +28,9 @@ typedef struct bridge_host {
     int32_t functions;
 } bridge_host;
 
+/* Whether the system has so many bytes, which Go, without asking, would end the program for. */
+int32_t bridge_has_memory(size_t size);
+
 /* The handle of the call whose callback this thread runs; 0 = none. */
 uintptr_t bridge_current_call(void);
 

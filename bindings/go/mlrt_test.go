@@ -565,8 +565,11 @@ func TestCountsThatTheLibraryRefuses(t *testing.T) {
 		status(t, err, mlrt.TooLarge, "rays.count")
 		status(t, tree.AllHitsInto(ctx, rays, nil, mlrt.HitListArrays{}), mlrt.TooLarge, "rays.count")
 	}
+	rays := mlrt.Rays{Origins: mlrt.All([3]float32{}), Directions: mlrt.Slice(make([][3]float32, 4000))}
+	_, err := tree.AllHits(ctx, rays, nil, 1<<32-1) // more than there are addresses
+	status(t, err, mlrt.OutOfMemory, "17179869180000 results")
 	camera := mlrt.LookAt([3]float32{}, [3]float32{0, 0, 5}, [3]float32{0, 1, 0}, 60, 1<<23, 1<<23)
-	_, err := tree.RenderHits(ctx, camera, nil)
+	_, err = tree.RenderHits(ctx, camera, nil)
 	status(t, err, mlrt.TooLarge, "pixels")
 	_, _, err = camera.Rays()
 	status(t, err, mlrt.TooLarge, "pixels")
@@ -575,7 +578,7 @@ func TestCountsThatTheLibraryRefuses(t *testing.T) {
 	status(t, err, mlrt.BadCamera, "crop_width")
 
 	// Of these C would take the low bits.
-	rays := mlrt.NewRays(walls, walls)
+	rays = mlrt.NewRays(walls, walls)
 	_, err = tree.Trace(ctx, rays, &mlrt.TraceOptions{Method: 1<<32 + 1})
 	status(t, err, mlrt.Argument, "method")
 	_, err = mlrt.Build(ctx, nil, &mlrt.TreeOptions{Preset: 1 << 32})

@@ -194,11 +194,14 @@ type Hits struct {
 	Facing         []int32
 }
 
-func newHits(n int) *Hits {
+func newHits(n int) (*Hits, error) {
+	if err := checkMemory(n, 25); err != nil { // one for HitLists.Crossing
+		return nil, err
+	}
 	return &Hits{
 		T: make([]float32, n), U: make([]float32, n), V: make([]float32, n),
 		Mesh: make([]uint32, n), Triangle: make([]uint32, n), Facing: make([]int32, n),
-	}
+	}, nil
 }
 
 // Arrays returns the slices as arrays for TraceInto and Render.
@@ -356,7 +359,7 @@ func (camera *Camera) Size() (columns, rows int) {
 	return max(columns, 0), max(rows, 0)
 }
 
-// toC returns a camera whose every number the library accepts.
+// toC returns a camera with no more pixels than the library takes, and no fewer than one.
 func (camera *Camera) toC() (*C.mlrt_camera, error) {
 	for _, number := range append([]int{camera.Width, camera.Height}, camera.Crop[:]...) {
 		if number < 0 || uint64(number) > math.MaxUint32 {
@@ -384,7 +387,10 @@ func (camera *Camera) toC() (*C.mlrt_camera, error) {
 	if camera.Parallel {
 		out.projection = C.MLRT_PROJECTION_PARALLEL
 	}
-	return out, check(C.bridge_camera_rays(out, nil, nil))
+	if columns, rows := camera.Size(); uint64(columns)*uint64(rows)-1 >= math.MaxInt32 {
+		return out, check(C.bridge_camera_rays(out, nil, nil)) // which says what is wrong
+	}
+	return out, nil
 }
 
 // Rays returns the very rays that Render traces, row by row.
@@ -393,6 +399,9 @@ func (camera *Camera) Rays() (origins, directions [][3]float32, err error) {
 		return nil, nil, err
 	}
 	columns, rows := camera.Size()
+	if err = checkMemory(columns*rows, 24); err != nil {
+		return nil, nil, err
+	}
 	origins, directions = make([][3]float32, columns*rows), make([][3]float32, columns*rows)
 	err = camera.RaysInto(Slice(origins), Slice(directions))
 	return origins, directions, err

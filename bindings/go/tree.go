@@ -329,7 +329,10 @@ func (tree *Tree) Trace(ctx context.Context, rays Rays, options *TraceOptions) (
 	if err != nil {
 		return nil, err
 	}
-	hits := newHits(n)
+	hits, err := newHits(n)
+	if err != nil {
+		return nil, err
+	}
 	arrays := hits.Arrays()
 	if err := tree.trace(ctx, &rays, options, ClosestHit, &arrays); err != nil {
 		return nil, err
@@ -341,6 +344,9 @@ func (tree *Tree) Trace(ctx context.Context, rays Rays, options *TraceOptions) (
 func (tree *Tree) Occluded(ctx context.Context, rays Rays, options *TraceOptions) ([]bool, error) {
 	n, err := rays.count()
 	if err != nil {
+		return nil, err
+	}
+	if err := checkMemory(n, 1); err != nil {
 		return nil, err
 	}
 	occluded := make([]bool, n) // the library writes bytes 0 and 1
@@ -419,7 +425,10 @@ func (tree *Tree) AllHits(ctx context.Context, rays Rays, options *TraceOptions,
 	if err := checkCapacity(n, capacity); err != nil {
 		return nil, err
 	}
-	hits := newHits(n * capacity)
+	hits, err := newHits(n * capacity)
+	if err != nil {
+		return nil, err
+	}
 	lists := &HitLists{
 		Capacity: capacity, T: hits.T, U: hits.U, V: hits.V, Mesh: hits.Mesh, Triangle: hits.Triangle, Facing: hits.Facing,
 		Crossing: make([]uint8, n*capacity), Total: make([]uint32, n), CrossingTotal: make([]uint32, n),
@@ -459,7 +468,10 @@ func (tree *Tree) RenderHits(ctx context.Context, camera Camera, options *TraceO
 		return nil, err
 	}
 	columns, rows := camera.Size()
-	hits := newHits(columns * rows)
+	hits, err := newHits(columns * rows)
+	if err != nil {
+		return nil, err
+	}
 	var closest TraceOptions
 	if options != nil {
 		closest = *options
