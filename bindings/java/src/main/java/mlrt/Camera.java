@@ -162,11 +162,13 @@ public final class Camera {
         return cropHeight > 0 ? cropHeight : Math.max(0, height - cropY);
     }
 
-    /** How many pixels it renders. Throws what the library says is wrong with it, before memory is taken for them. */
+    /** How many pixels it renders. If they are too many, throws what the library says, before memory is taken for them. */
     long pixels() {
+        long count = (long) columns() * rows();
+        if (count <= Integer.MAX_VALUE) return count;
         try (var call = new Call()) {
             call.check((int) Native.CAMERA_RAYS.invokeExact(toStruct(call).memory(), MemorySegment.NULL, MemorySegment.NULL));
-            return (long) columns() * rows();
+            return count;
         } catch (Throwable problem) {
             throw Native.unexpected(problem);
         }
