@@ -95,7 +95,8 @@ func (c *call) guard(callback func() error) (goOn bool) {
 }
 
 // run makes a call of the library that uses a tree and a pool, with the host and the context if they have anything to do.
-func run(ctx context.Context, tree *Tree, pool *Pool, host Host, tile func(*Tile) error, function func(C.bridge_host, C.uintptr_t) C.bridge_outcome) error {
+func run(ctx context.Context, tree *Tree, pool *Pool, host Host, tile func(*Tile) error,
+	function func(C.bridge_host, C.uintptr_t) C.bridge_outcome) error {
 	if err := ctx.Err(); err != nil {
 		return &Error{Status: Cancelled, Cause: err}
 	}

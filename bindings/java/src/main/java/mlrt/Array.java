@@ -44,7 +44,7 @@ public record Array(MemorySegment data, long stride, long rowStride) {
             default -> ByteOrder.nativeOrder();
         };
         if (order != ByteOrder.nativeOrder())
-            throw new IllegalArgumentException("a buffer of the other byte order: its ByteBuffer needs order(ByteOrder.nativeOrder()) before");
+            throw new IllegalArgumentException("a buffer of the other byte order: ask its ByteBuffer for ByteOrder.nativeOrder() before");
         return of(MemorySegment.ofBuffer(data));
     }
 
@@ -136,7 +136,8 @@ public record Array(MemorySegment data, long stride, long rowStride) {
         long step = stride == 0 ? size : stride;
         long rowStep = rowStride == 0 ? reach(columns, step, 0) : rowStride;
         checkRoom(columns == 0 || rows == 0 ? 0 : reach(rows - 1, rowStep, reach(columns - 1, step, size)), name);
-        if (rowsOverlap(columns, rows, step, size)) throw new IllegalArgumentException(name + ": rows " + rowStride + " bytes apart overlap");
+        if (rowsOverlap(columns, rows, step, size))
+            throw new IllegalArgumentException(name + ": rows " + rowStride + " bytes apart overlap");
     }
 
     /** Rows may lie within each other, as those of a transposed picture do. There must be space for all. */

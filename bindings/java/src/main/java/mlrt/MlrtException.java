@@ -44,8 +44,8 @@ public final class MlrtException extends RuntimeException {
     /** Refuses what the library does, before memory is taken for it. */
     static long checkCount(String name, long count) {
         if (count < 0) throw new IllegalArgumentException(name + ": " + count + " is below 0");
-        if (count > Integer.MAX_VALUE) throw new MlrtException(Status.TOO_LARGE.ordinal(), name + ": " + count + " is more than " + Integer.MAX_VALUE);
-        return count;
+        if (count <= Integer.MAX_VALUE) return count;
+        throw new MlrtException(Status.TOO_LARGE.ordinal(), name + ": " + count + " is more than " + Integer.MAX_VALUE);
     }
 
     /** A number that is one of C's unsigned ones. */

@@ -440,7 +440,8 @@ final class Test {
         // Records, halves and rows in turn do not.
         tree.trace(strided, options, closest(Array.strided(both.asSlice(24), 28), Array.of(room)));
         for (int i = 0; i < COUNT; i++) {
-            require(both.getAtIndex(ValueLayout.JAVA_FLOAT, 7 * i + 6) == hits.t(i) && room.getAtIndex(ValueLayout.JAVA_FLOAT, i) == hits.u(i), "records");
+            require(both.getAtIndex(ValueLayout.JAVA_FLOAT, 7 * i + 6) == hits.t(i)
+                && room.getAtIndex(ValueLayout.JAVA_FLOAT, i) == hits.u(i), "records");
         }
         var part = camera().crop(0, 0, 16, 12);
         var picture = tree.render(part, options);
@@ -453,7 +454,8 @@ final class Test {
         for (int i = 0; i < 192; i++) require(room.getAtIndex(ValueLayout.JAVA_FLOAT, i / 16 + i % 16 * 12) == picture.t(i), "transposed");
         sharesMemory(() -> tree.render(part, options, closest(new Array(room, 0, 128), new Array(room.asSlice(60), 0, 128)), null));
         for (var rows : new Array[] {new Array(room, 0, 60), new Array(room, 44, 4), new Array(room, 8, 64)}) {
-            require(fails(IllegalArgumentException.class, () -> tree.render(part, options, closest(rows, null), null)).getMessage().contains("overlap"), "rows");
+            var problem = fails(IllegalArgumentException.class, () -> tree.render(part, options, closest(rows, null), null));
+            require(problem.getMessage().contains("overlap"), "rows");
         }
     }
 
