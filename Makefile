@@ -64,7 +64,7 @@
 #
 # Settings: CC=clang, OPTIMIZE=-O0, SAN=address,undefined or SAN=thread (builds in build/san-...), WERROR=1, V=1,
 # RENAME=game_, which names functions game_... in place of mlrt_... (builds in build/renamed-game_), SCALAR=1, which
-# compiles the kernels in plain C that processors without SSE2 have (builds in build/scalar), and GUESS=1, which drops
+# compiles the kernels in plain C that other processors have (builds in build/scalar), and GUESS=1, which drops
 # exactness to measure its price (builds in build/guess).
 
 PREFIX   ?= /usr/local
@@ -106,9 +106,9 @@ TLS      := $(if $(IS_X86),$(shell $(CC) -Werror -mtls-dialect=gnu2 -fPIC -S -x 
 COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(LAYOUT) $(TLS) $(CFLAGS) $(EXACT) $(SANITIZE) $(if $(RENAME),-DMLRT_PREFIX=$(RENAME)) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
 LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
-# One object of kernels per instruction set. Kernels in plain C exist only where there is no SSE2 (or with SCALAR=1), but
-# their words are tested anywhere.
-KERNELS     := $(if $(and $(IS_X86),$(if $(SCALAR),,1)),sse avx2 avx512,scalar)
+# One object of kernels per instruction set. Kernels in plain C exist only where there is neither SSE2 nor NEON (or with
+# SCALAR=1), but their words are tested anywhere.
+KERNELS     := $(if $(SCALAR),scalar,$(if $(IS_X86),sse avx2 avx512,$(if $(filter aarch64-% arm64-%,$(TARGET)),neon,scalar)))
 ISAS        := scalar $(filter-out scalar,$(KERNELS))
 ISA_FLAGS_avx2   := -mavx2 -mfma
 ISA_FLAGS_avx512 := -mavx512f -mavx512dq -mfma

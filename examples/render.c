@@ -70,7 +70,7 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
          "tiles "
          "(default there)",
          MLRT_METHOD_RAY, 0},
-        {OPTION_CHOICE, "--isa", &s->trace.isa, "auto|scalar|sse|avx2|avx512",
+        {OPTION_CHOICE, "--isa", &s->trace.isa, "auto|scalar|sse|avx2|avx512|neon",
          "instruction set (default: auto, the best there is)", MLRT_ISA_AUTO, 0},
         {OPTION_COUNT, "--threads", &s->threads, "N", "threads; 0 = one per processor (default: 0)", 0,
          MAXIMUM_WORKERS},

@@ -183,9 +183,10 @@ MLRT_API const char *mlrt_last_message(void);
 
 /* What mlrt_capabilities returns, or-ed together. New ones may be added. */
 enum {
-    MLRT_CAN_SSE = 1,   /* this build has MLRT_ISA_SSE, and this machine can run it */
-    MLRT_CAN_AVX2 = 2,  /* the same of MLRT_ISA_AVX2 */
-    MLRT_CAN_AVX512 = 4 /* the same of MLRT_ISA_AVX512 */
+    MLRT_CAN_SSE = 1,    /* this build has MLRT_ISA_SSE, and this machine can run it */
+    MLRT_CAN_AVX2 = 2,   /* the same of MLRT_ISA_AVX2 */
+    MLRT_CAN_AVX512 = 4, /* the same of MLRT_ISA_AVX512 */
+    MLRT_CAN_NEON = 8    /* the same of MLRT_ISA_NEON */
 };
 
 /* Returns what this library can do on this machine: MLRT_CAN_*. May be called before anything else. */
@@ -602,15 +603,16 @@ enum {
  * have is MLRT_ERROR_UNSUPPORTED.
  *
  * Method tile uses the one that is asked for. Methods packet4 and multilevel have AVX2 in place of AVX-512. Method
- * packet2, and calls with counters, use the narrowest one of the build, whichever is asked for: SSE2, or plain C in
- * builds without SSE2. Method ray is plain C.
+ * packet2, and calls with counters, use the narrowest one of the build, whichever is asked for: SSE2, NEON, or plain C in
+ * builds with neither. Method ray is plain C.
  */
 enum {
     MLRT_ISA_AUTO = 0,   /* the best that this machine has */
-    MLRT_ISA_SCALAR = 1, /* plain C: only in builds without SSE2, which have no other */
+    MLRT_ISA_SCALAR = 1, /* plain C: only in builds without SSE2 and NEON, which have no other */
     MLRT_ISA_SSE = 2,    /* SSE2, on every x86-64: 4 boxes, packets, triangles or rays at a time */
     MLRT_ISA_AVX2 = 3,   /* AVX2 and FMA: 8 at a time */
-    MLRT_ISA_AVX512 = 4  /* AVX-512 F and DQ: 16 at a time */
+    MLRT_ISA_AVX512 = 4, /* AVX-512 F and DQ: 16 at a time */
+    MLRT_ISA_NEON = 5    /* NEON, on every aarch64 (little-endian), which has no other: 4 at a time */
 };
 
 /* Queries: mlrt_trace_options.query */

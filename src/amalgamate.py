@@ -29,7 +29,8 @@ LAYERS = ["base", "simd", "exact", "scene", "rays", "bvh", "job", "hits", "mlrta
 
 # As in the Makefile: KERNELS and ISA_FLAGS_...
 KERNELS = [
-    Kernel("scalar", "isa/scalar.c", "!MLRT_SSE_KERNELS", None),
+    Kernel("scalar", "isa/scalar.c", "!MLRT_SSE_KERNELS && !MLRT_NEON_KERNELS", None),
+    Kernel("neon", "isa/neon.c", "MLRT_NEON_KERNELS", None),
     Kernel("sse", "isa/sse.c", "MLRT_SSE_KERNELS", None),
     Kernel("avx2", "isa/avx2.c", "MLRT_SSE_KERNELS", "avx2,fma"),
     Kernel("avx512", "isa/avx512.c", "MLRT_SSE_KERNELS", "avx512f,avx512dq,fma"),
@@ -45,6 +46,7 @@ COUNTING_MACROS = ["COUNT", "COUNTERS", "CLEAR_COUNTS", "MLRT_COUNTING"]
 CONDITIONS = {
     "immintrin.h": "defined(__SSE2__) || defined(__x86_64__)",
     "cpuid.h": "defined(__SSE2__) || defined(__x86_64__)",
+    "arm_neon.h": "defined(__aarch64__)",
     "sys/mman.h": "defined(__linux__)",
 }
 INTRINSICS = {"emmintrin.h", "xmmintrin.h", "immintrin.h"}
@@ -432,7 +434,7 @@ def passes(parts):
         ends[kernel.name] = macros_of(vocabularies[kernel.name])
         seen |= own | {os.path.join(SOURCE, header)}
     # Every vocabulary has its words of four floats already.
-    seen.update(os.path.join(SOURCE, "simd", name) for name in ("simd.h", "quad.h", "quad_sse.h", "quad_scalar.h"))
+    seen.update(os.path.join(SOURCE, "simd", name) for name in ("simd.h", "quad.h", "quad_sse.h", "quad_neon.h", "quad_scalar.h"))
     kernels = made_static(parts.paste(os.path.join(SOURCE, KERNEL_TEXT), is_own, seen))
     everything = "".join(vocabularies.values()) + kernels
     macros = set(macros_of(everything))

@@ -32,7 +32,7 @@ LAYERS = [
 MEMBERS = 12
 
 # What is compiled once per instruction set; what includes CHOSEN is text for them.
-UNITS = ["isa/scalar.c", "isa/sse.c", "isa/avx2.c", "isa/avx512.c"]
+UNITS = ["isa/scalar.c", "isa/neon.c", "isa/sse.c", "isa/avx2.c", "isa/avx512.c"]
 CHOSEN = "simd/simd.h"
 
 # Headers that need an instruction set.

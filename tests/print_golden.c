@@ -31,7 +31,7 @@ static const struct way ways[] = {
 };
 enum { WAYS = sizeof ways / sizeof *ways };
 
-static const char *const isa_names[] = {"auto", "scalar", "sse", "avx2", "avx512"};
+static const char *const isa_names[] = {"auto", "scalar", "sse", "avx2", "avx512", "neon"};
 
 /* Each scene as boxes and as a tuned kd-tree. */
 struct trees {
@@ -140,7 +140,7 @@ int main(void)
     int is_right = 1;
     check(mlrt_create_pool(2, &pool), "pool");
     build_trees(&trees, pool);
-    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
+    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_NEON; isa++) {
         if (!is_supported(trees.boxes[0], isa)) continue;
         is_right &= try_isa(&trees, isa, isa % 2 ? pool : NULL);
     }

@@ -7,6 +7,7 @@
 #include "support.h"
 
 #include "common/scene.h"
+#include "job/structure.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -670,7 +671,7 @@ static size_t variants_used;
 
 int32_t narrowest_isa(void)
 {
-    return isa_is_supported(MLRT_ISA_SCALAR) ? MLRT_ISA_SCALAR : MLRT_ISA_SSE;
+    return MLRT_ISA_NARROWEST;
 }
 
 int isa_is_supported(int32_t isa)
@@ -743,7 +744,7 @@ static void list_variants(void)
     struct tiling whole = {0, 0, 0};
     add_variant(MLRT_METHOD_DEFAULT, MLRT_ISA_AUTO, whole, 1);
     add_variant(MLRT_METHOD_DEFAULT, MLRT_ISA_AUTO, whole, 1)->on_kdtree = 1;
-    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
+    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_NEON; isa++) {
         if (isa_is_supported(isa)) list_variants_of(isa);
     }
 }
@@ -810,7 +811,7 @@ mlrt_pool *shared_pool(uint32_t threads)
 void describe(const char *call, const mlrt_trace_options *o, uint32_t threads, char *text, size_t size)
 {
     static const char *const methods[] = {"default", "ray", "packet2", "packet4", "multilevel", "tile"};
-    static const char *const isas[] = {"auto", "scalar", "sse", "avx2", "avx512"};
+    static const char *const isas[] = {"auto", "scalar", "sse", "avx2", "avx512", "neon"};
     snprintf(text, size, "%s, method %s, isa %s, culling %s%s, tiles %u/%u/%u, %u threads", call, methods[o->method],
              isas[o->isa], o->culling ? "direct" : "inverse", o->culling_check ? " with check" : "",
              (unsigned)o->initial_tile_size, (unsigned)o->minimum_tile_size, (unsigned)o->split_factor,

@@ -778,7 +778,7 @@ static void check_any(const struct bundle *bundle, const mlrt_rays *rays, const 
 static void check_way(const struct bundle *bundle, struct random *random, struct bundle_shape shape, int32_t method,
                       int32_t isa)
 {
-    static const char *const isas[] = {"auto", "scalar", "sse", "avx2", "avx512"};
+    static const char *const isas[] = {"auto", "scalar", "sse", "avx2", "avx512", "neon"};
     const size_t layout = draw_below(random, 4) ? draw_below(random, LAYOUT_COUNT) : 0;
     const uint32_t fields = bundle->fields | (draw_below(random, 3) ? 0 : 1u << (T_MIN + draw_below(random, 3)));
     const uint32_t threads = draw_below(random, 16) ? 0 : 2;
@@ -802,7 +802,7 @@ static void check_way(const struct bundle *bundle, struct random *random, struct
 
 static int has_isa(int32_t isa)
 {
-    static signed char known[MLRT_ISA_AVX512 + 1];
+    static signed char known[MLRT_ISA_NEON + 1];
     if (!known[isa]) known[isa] = isa_is_supported(isa) ? 1 : -1;
     return known[isa] > 0;
 }
@@ -835,7 +835,7 @@ static void run_case(uint64_t number)
     bundle.world->fixture.seed = number;
     make_bundle(&bundle, number % bundle_kind_count(), shape, &random);
     judge(&bundle, &random);
-    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
+    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_NEON; isa++) {
         if (has_isa(isa)) check_way(&bundle, &random, shape, MLRT_METHOD_DEFAULT, isa);
     }
     if (number % 8 == 0) check_way(&bundle, &random, shape, MLRT_METHOD_RAY, MLRT_ISA_AUTO);

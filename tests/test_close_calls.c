@@ -154,9 +154,12 @@ static uint32_t offer(decide_function *decide, struct bench *bench, const struct
 static decide_function *const functions[] = {decide_close_scalar,
 #if MLRT_SSE_KERNELS
                                              decide_close_sse, decide_close_avx2, decide_close_avx512
+#elif MLRT_NEON_KERNELS
+                                             decide_close_neon
 #endif
 };
-static const int32_t isas[] = {MLRT_ISA_SCALAR, MLRT_ISA_SSE, MLRT_ISA_AVX2, MLRT_ISA_AVX512};
+static const int32_t isas[] = {MLRT_ISA_SCALAR, MLRT_NEON_KERNELS ? MLRT_ISA_NEON : MLRT_ISA_SSE, MLRT_ISA_AVX2,
+                               MLRT_ISA_AVX512};
 
 #define FUNCTION_COUNT (sizeof functions / sizeof *functions)
 

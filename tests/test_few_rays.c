@@ -134,7 +134,7 @@ static void compare_ways(const struct fixture *fixture, const struct question *q
     mlrt_trace_options options = {.struct_size = sizeof options, .method = MLRT_METHOD_RAY};
     ask(fixture->tree, question, options, &expected);
     options.method = MLRT_METHOD_TILE;
-    for (options.isa = MLRT_ISA_SCALAR; options.isa <= MLRT_ISA_AVX512; options.isa++) {
+    for (options.isa = MLRT_ISA_SCALAR; options.isa <= MLRT_ISA_NEON; options.isa++) {
         if (!mlrt_select_kernels(&mlrt_structure_bvh, options.isa, MLRT_METHOD_TILE, 0)) continue;
         ask(fixture->tree, question, options, &got);
         for (size_t i = 0; i < COUNT; i++) {

@@ -286,12 +286,10 @@ static void capabilities_are_what_can_be_asked_for(void **state)
     const uint64_t capabilities = mlrt_capabilities();
     const mlrt_ray ray = {.struct_size = sizeof ray, .direction = {0, 0, 1}};
     mlrt_hit hit = {.struct_size = sizeof hit};
-    for (int32_t isa = MLRT_ISA_SSE; isa <= MLRT_ISA_AVX512; isa++) {
+    for (int32_t isa = MLRT_ISA_SSE; isa <= MLRT_ISA_NEON; isa++) {
         const mlrt_trace_options options = {.struct_size = sizeof options, .isa = isa};
-        const uint64_t bit = isa == MLRT_ISA_SSE    ? MLRT_CAN_SSE
-                             : isa == MLRT_ISA_AVX2 ? MLRT_CAN_AVX2
-                                                    : MLRT_CAN_AVX512;
-        const int32_t expected = capabilities & bit ? MLRT_OK : MLRT_ERROR_UNSUPPORTED;
+        static const uint64_t bits[] = {MLRT_CAN_SSE, MLRT_CAN_AVX2, MLRT_CAN_AVX512, MLRT_CAN_NEON};
+        const int32_t expected = capabilities & bits[isa - MLRT_ISA_SSE] ? MLRT_OK : MLRT_ERROR_UNSUPPORTED;
         assert_int_equal(mlrt_trace_ray(tree, &ray, &options, &hit), expected);
     }
     mlrt_destroy_tree(tree);

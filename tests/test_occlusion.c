@@ -53,7 +53,7 @@ static void check_shared_vector(const struct fixture *fixture, const struct poin
     assert_int_equal(mlrt_trace_packet(fixture->tree, &rays, &options, &hits), MLRT_OK);
     hits.occluded.data = got;
     options.method = MLRT_METHOD_TILE;
-    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
+    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_NEON; isa++) {
         options.isa = isa;
         if (isa_is_supported(isa)) {
             assert_int_equal(mlrt_trace_packet(fixture->tree, &rays, &options, &hits), MLRT_OK);

@@ -424,7 +424,7 @@ static void one_ray_of_a_tile(void **state)
             mlrt_trace_options options = {.struct_size = sizeof options, .method = MLRT_METHOD_RAY};
             trace_tiles(fixture.tree, &rays, &ends, &light, options, &expected);
             options.method = MLRT_METHOD_TILE;
-            for (options.isa = MLRT_ISA_SCALAR; options.isa <= MLRT_ISA_AVX512; options.isa++) {
+            for (options.isa = MLRT_ISA_SCALAR; options.isa <= MLRT_ISA_NEON; options.isa++) {
                 if (!mlrt_select_kernels(&mlrt_structure_bvh, options.isa, MLRT_METHOD_TILE, 0)) continue;
                 trace_tiles(fixture.tree, &rays, &ends, &light, options, &got);
                 for (size_t i = 0; i < list.count; i++) {
@@ -562,7 +562,7 @@ static void packets_are_the_same(void **state)
     struct fixture fixture = make_scene(2200);
     const float eye[3] = {0.1f, -3, 0.7f};
     uint32_t alike = 0, rounds = 0;
-    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
+    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_NEON; isa++) {
         const struct readers *readers = readers_of(isa);
         if (!readers) continue;
         for (uint32_t i = 0; i < 120; i++) {

@@ -38,7 +38,7 @@ static void check_by_tiles(const struct fixture *fixture, const struct ray_list 
                                 .count = list->count,
                                 .positions = rays.origins,
                                 .skip = rays.skip};
-    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; ++isa) {
+    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_NEON; ++isa) {
         if (!isa_is_supported(isa)) continue;
         mlrt_trace_options options = {.struct_size = sizeof options, .method = MLRT_METHOD_TILE, .isa = isa};
         describe(camera ? "camera" : light ? "light" : "arrays", &options, 0, text, sizeof text);

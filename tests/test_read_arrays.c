@@ -242,7 +242,7 @@ static void rays_are_read_as_they_lie(void **state)
     (void)state;
     struct fixture fixture = three_meshes();
     struct random random = {9100};
-    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
+    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_NEON; isa++) {
         const struct readers *readers = readers_of(isa);
         if (!readers) continue;
         for (size_t layout = 0; layout < LAYOUT_COUNT; layout++) {

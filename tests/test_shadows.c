@@ -358,7 +358,7 @@ static void check_ways(const struct picture *picture, struct random *random, int
 {
     static const int32_t others[] = {MLRT_METHOD_RAY,        MLRT_METHOD_PACKET2, MLRT_METHOD_PACKET4,
                                      MLRT_METHOD_MULTILEVEL, MLRT_METHOD_DEFAULT, MLRT_METHOD_TILE};
-    for (int32_t isa = MLRT_ISA_AUTO; isa <= MLRT_ISA_AVX512; isa++) {
+    for (int32_t isa = MLRT_ISA_AUTO; isa <= MLRT_ISA_NEON; isa++) {
         if (!isa_is_supported(isa)) continue;
         struct way way = draw_way(random, MLRT_METHOD_TILE, isa);
         check_way(picture, &way);

@@ -127,6 +127,8 @@ static void the_words_mean_the_same(void **state)
     check_words(run_words_sse);
     if (isa_is_supported(MLRT_ISA_AVX2)) check_words(run_words_avx2);
     if (isa_is_supported(MLRT_ISA_AVX512)) check_words(run_words_avx512);
+#elif MLRT_NEON_KERNELS
+    check_words(run_words_neon);
 #endif
 }
 

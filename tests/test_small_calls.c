@@ -183,7 +183,7 @@ static void draw_call(struct random *random, const struct record *records, size_
     }
     call->options = (mlrt_trace_options){.struct_size = sizeof call->options,
                                          .query = draw_below(random, 3) == 0 ? MLRT_QUERY_ANY : MLRT_QUERY_CLOSEST,
-                                         .isa = (int32_t)draw_below(random, MLRT_ISA_AVX512 + 1),
+                                         .isa = (int32_t)draw_below(random, MLRT_ISA_NEON + 1),
                                          .mask = draw_below(random, 8),
                                          .pool = draw_below(random, 4) ? NULL : shared_pool(2)};
     if (!isa_is_supported(call->options.isa)) call->options.isa = MLRT_ISA_AUTO;
@@ -520,7 +520,7 @@ static void stacks_of_sheets(void **state)
             if (i % 5 == 4) list.rays[i].t_min = draw_range(&random, 0, 2);
             reference_trace(fixture.reference, &list.rays[i], &expected[i]);
         }
-        for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
+        for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_NEON; isa++) {
             mlrt_trace_options options = {.struct_size = sizeof options, .isa = isa};
             if (!isa_is_supported(isa)) continue;
             check_list(&fixture, &list, expected, &options, 1);

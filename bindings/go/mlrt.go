@@ -105,13 +105,15 @@ func CanUse(isa ISA) bool {
 	capabilities := C.mlrt_capabilities()
 	switch isa {
 	case Scalar:
-		return capabilities&C.MLRT_CAN_SSE == 0
+		return capabilities&(C.MLRT_CAN_SSE|C.MLRT_CAN_NEON) == 0
 	case SSE:
 		return capabilities&C.MLRT_CAN_SSE != 0
 	case AVX2:
 		return capabilities&C.MLRT_CAN_AVX2 != 0
 	case AVX512:
 		return capabilities&C.MLRT_CAN_AVX512 != 0
+	case NEON:
+		return capabilities&C.MLRT_CAN_NEON != 0
 	}
 	return true
 }

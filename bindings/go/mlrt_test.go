@@ -180,7 +180,13 @@ func TestErrorsSayWhatIsWrong(t *testing.T) {
 	equal(t, len(must(tree.AllHits(ctx, mlrt.Rays{}, nil, 2)).Total), 0)
 	major, minor, patch := mlrt.Version()
 	equal(t, [3]int{major, minor, patch}, [3]int{0, 1, 0})
-	if mlrt.CanUse(mlrt.Scalar) == mlrt.CanUse(mlrt.SSE) || mlrt.CanUse(mlrt.AVX512) && !mlrt.CanUse(mlrt.SSE) {
+	narrowest := 0
+	for _, isa := range []mlrt.ISA{mlrt.Scalar, mlrt.SSE, mlrt.NEON} {
+		if mlrt.CanUse(isa) {
+			narrowest++
+		}
+	}
+	if narrowest != 1 || mlrt.CanUse(mlrt.AVX512) && !mlrt.CanUse(mlrt.SSE) {
 		t.Error("instruction sets")
 	}
 }
@@ -219,8 +225,10 @@ func TestHowATreeIsBuiltChangesNoAnswer(t *testing.T) {
 		t.Error("no estimate")
 	}
 	narrowest := mlrt.SSE
-	if mlrt.CanUse(mlrt.Scalar) {
-		narrowest = mlrt.Scalar
+	for _, isa := range []mlrt.ISA{mlrt.Scalar, mlrt.NEON} {
+		if mlrt.CanUse(isa) {
+			narrowest = isa
+		}
 	}
 	for _, method := range []mlrt.Method{mlrt.DefaultMethod, mlrt.RayMethod, mlrt.Packet2, mlrt.Packet4, mlrt.Multilevel} {
 		counters := &mlrt.Counters{}

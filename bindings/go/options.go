@@ -99,10 +99,11 @@ type ISA int
 // Instruction sets.
 const (
 	AutoISA = ISA(C.MLRT_ISA_AUTO)   // the best that this machine has
-	Scalar  = ISA(C.MLRT_ISA_SCALAR) // plain C, where the processor has no SSE2
+	Scalar  = ISA(C.MLRT_ISA_SCALAR) // plain C, where the processor has neither SSE2 nor NEON
 	SSE     = ISA(C.MLRT_ISA_SSE)    // SSE2
 	AVX2    = ISA(C.MLRT_ISA_AVX2)   // AVX2 and FMA
 	AVX512  = ISA(C.MLRT_ISA_AVX512) // AVX-512 F and DQ
+	NEON    = ISA(C.MLRT_ISA_NEON)   // NEON, on aarch64
 )
 
 // Culling is how method Multilevel tests a beam against a cell.

@@ -205,7 +205,7 @@ mlrt.RULE = {EMPTY_SPACE = 1, COPLANAR = 2, MINIMUM_CELL = 4, CLIPPED_SPLITS = 8
 mlrt.SHORTCUT = {WHOLE_TILES = 1, ENTRY_LISTS = 2, SHARED_SETUPS = 4}
 
 local methods = {default = 0, ray = 1, packet2 = 2, packet4 = 3, multilevel = 4, tile = 5}
-local isas = {auto = 0, scalar = 1, sse = 2, avx2 = 3, avx512 = 4}
+local isas = {auto = 0, scalar = 1, sse = 2, avx2 = 3, avx512 = 4, neon = 5}
 local cullings = {inverse = 0, direct = 1}
 local queries = {closest = 0, any = 1}
 local presets = {default = 0, fast = 1, best = 2}
@@ -786,7 +786,7 @@ end
 -- @param rays a table: origins, directions (three floats each), t_min, t_max, skip (mesh and triangle), mask,
 --   rays_per_origin, row_length, count (where no packed array tells it)
 -- @param options nil or a table: method ("ray", "packet2", "packet4", "multilevel", "tile"), isa ("scalar", "sse", "avx2",
---   "avx512"), culling ("inverse", "direct"), culling_check, initial_tile_size, minimum_tile_size, split_factor,
+--   "avx512", "neon"), culling ("inverse", "direct"), culling_check, initial_tile_size, minimum_tile_size, split_factor,
 --   shortcuts_off, mask, pool, counters, progress, log as in `mlrt.build`, outputs = a list of the results that are wanted,
 --   into = a table of the arrays that they are written to, each an FFI array or `{data =, stride =}`, which share
 --   memory neither with each other nor with anything that the call reads
@@ -1035,10 +1035,10 @@ function mlrt.version()
 end
 
 --- The instruction sets that the library has and this machine can run.
--- @return a table: sse, avx2, avx512, each true or false
+-- @return a table: sse, avx2, avx512, neon, each true or false
 function mlrt.capabilities()
     local bits = tonumber(C.mlrt_capabilities())
-    return {sse = bits % 2 >= 1, avx2 = bits % 4 >= 2, avx512 = bits % 8 >= 4}
+    return {sse = bits % 2 >= 1, avx2 = bits % 4 >= 2, avx512 = bits % 8 >= 4, neon = bits % 16 >= 8}
 end
 
 return mlrt

@@ -152,7 +152,8 @@ function tests.options()
         method = "multilevel", culling = "direct", culling_check = true, initial_tile_size = 64, minimum_tile_size = 8, split_factor = 4,
         shortcuts_off = mlrt.SHORTCUT.WHOLE_TILES,
     }
-    local narrowest = mlrt.capabilities().sse and "sse" or "scalar"
+    local can = mlrt.capabilities()
+    local narrowest = can.sse and "sse" or can.neon and "neon" or "scalar"
     for _, options in ipairs{{method = "ray"}, {method = "tile", isa = narrowest}, {pool = pool}} do
         assert(hash(tree:trace(rays, options)) == golden)
     end

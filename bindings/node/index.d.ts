@@ -242,7 +242,7 @@ export interface Camera {
 /** How to trace. None of it changes an answer, except `mask`. */
 export interface TraceOptions {
     method?: 'default' | 'ray' | 'packet2' | 'packet4' | 'multilevel' | 'tile';
-    isa?: 'auto' | 'scalar' | 'sse' | 'avx2' | 'avx512';
+    isa?: 'auto' | 'scalar' | 'sse' | 'avx2' | 'avx512' | 'neon';
     culling?: 'inverse' | 'direct';
     cullingCheck?: boolean;
     initialTileSize?: number;
@@ -417,7 +417,7 @@ export function estimateKdtree(meshes: Meshes, options?: KdtreeOptions): MemoryE
 export function version(): string;
 
 /** The instruction sets that this library has and this machine can run. */
-export function capabilities(): { sse: boolean; avx2: boolean; avx512: boolean };
+export function capabilities(): { sse: boolean; avx2: boolean; avx512: boolean; neon: boolean };
 
 /** What a status means. */
 export function statusString(status: number): string;

@@ -17,7 +17,7 @@ const { C, koffi, struct, types } = require('./native.js');
 const NONE = 0xFFFFFFFF;
 
 const METHODS = ['default', 'ray', 'packet2', 'packet4', 'multilevel', 'tile'];
-const ISAS = ['auto', 'scalar', 'sse', 'avx2', 'avx512'];
+const ISAS = ['auto', 'scalar', 'sse', 'avx2', 'avx512', 'neon'];
 const CULLINGS = ['inverse', 'direct'];
 const PROJECTIONS = ['pinhole', 'parallel'];
 const LIGHTS = ['point', 'directional'];
@@ -828,7 +828,7 @@ function version() {
 
 function capabilities() {
     const bits = BigInt(C.capabilities());
-    return { sse: (bits & 1n) !== 0n, avx2: (bits & 2n) !== 0n, avx512: (bits & 4n) !== 0n };
+    return { sse: (bits & 1n) !== 0n, avx2: (bits & 2n) !== 0n, avx512: (bits & 4n) !== 0n, neon: (bits & 8n) !== 0n };
 }
 
 module.exports = {

@@ -143,8 +143,8 @@ describe('save and load', () => {
 describe('trace', () => {
     test('options', async () => {
         const kdtree = mlrt.Tree.buildKdtreeSync(meshes);
-        const { avx512, avx2, sse } = mlrt.capabilities();
-        for (const options of [{ method: 'ray' }, { method: 'tile', isa: sse ? 'sse' : 'scalar' }, { isa: avx512 ? 'avx512' : avx2 ? 'avx2' : 'auto' }, { pool }]) {
+        const { avx512, avx2, sse, neon } = mlrt.capabilities();
+        for (const options of [{ method: 'ray' }, { method: 'tile', isa: sse ? 'sse' : neon ? 'neon' : 'scalar' }, { isa: avx512 ? 'avx512' : avx2 ? 'avx2' : 'auto' }, { pool }]) {
             assert.deepStrictEqual(await tree.trace(rays, options), hits);
         }
         const paper = { method: 'multilevel', culling: 'direct', cullingCheck: true, initialTileSize: 64, minimumTileSize: 8, splitFactor: 4 };

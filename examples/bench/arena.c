@@ -10,7 +10,7 @@
 #include <string.h>
 
 const char *const method_names[6] = {"default", "ray", "packet2", "packet4", "multilevel", "tile"};
-const char *const isa_names[5] = {"auto", "scalar", "sse", "avx2", "avx512"};
+const char *const isa_names[6] = {"auto", "scalar", "sse", "avx2", "avx512", "neon"};
 
 static int32_t build_by(const struct library *library, const mlrt_mesh *mesh, int32_t kind, mlrt_pool *pool,
                         mlrt_tree **tree)

@@ -24,7 +24,7 @@ struct bench_settings {
     const struct library *old; /* what `against` names, or NULL */
 };
 
-extern const char *const method_names[6], *const isa_names[5];
+extern const char *const method_names[6], *const isa_names[6];
 
 struct arena {
     struct subject subject;

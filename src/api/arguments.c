@@ -19,7 +19,7 @@ int32_t mlrt_take_options(const mlrt_trace_options *given, struct mlrt_call *cal
     call->options = &none;
     call->is_plain = 1;
     if (!given) return MLRT_OK;
-    if (MLRT_LIKELY(mlrt_are_plain(given) && (uint32_t)given->isa <= MLRT_ISA_AVX512)) {
+    if (MLRT_LIKELY(mlrt_are_plain(given) && (uint32_t)given->isa <= MLRT_ISA_NEON)) {
         call->options = given;
         call->run.pool = given->pool;
         return MLRT_OK;

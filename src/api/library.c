@@ -26,7 +26,7 @@ MLRT_API const char *mlrt_last_message(void)
 MLRT_API uint64_t mlrt_capabilities(void)
 {
     uint64_t capabilities = 0;
-    for (int32_t isa = MLRT_ISA_SSE; isa <= MLRT_ISA_AVX512; ++isa) {
+    for (int32_t isa = MLRT_ISA_SSE; isa <= MLRT_ISA_NEON; ++isa) {
         if (mlrt_select_kernels(&mlrt_structure_bvh, isa, MLRT_METHOD_TILE, 0))
             capabilities |= (uint64_t)MLRT_CAN_SSE << (isa - MLRT_ISA_SSE);
     }

@@ -21,7 +21,7 @@ const struct mlrt_rules mlrt_rules = {
     .options.load = {{FIELD_RULE(mlrt_load_options, flags, COUNT, MLRT_LOAD_IN_PLACE)}},
     .options.trace = {{FIELD_RULE(mlrt_trace_options, query, INTEGER, MLRT_QUERY_ANY)},
                       {FIELD_RULE(mlrt_trace_options, method, INTEGER, MLRT_METHOD_TILE)},
-                      {FIELD_RULE(mlrt_trace_options, isa, INTEGER, MLRT_ISA_AVX512)},
+                      {FIELD_RULE(mlrt_trace_options, isa, INTEGER, MLRT_ISA_NEON)},
                       {FIELD_RULE(mlrt_trace_options, culling, INTEGER, MLRT_CULLING_DIRECT)},
                       {FIELD_RULE(mlrt_trace_options, culling_check, COUNT, 1)},
                       {FIELD_RULE(mlrt_trace_options, outputs, COUNT, 63)},

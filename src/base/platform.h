@@ -109,8 +109,13 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 #define MLRT_PAUSE() ((void)0)
 #endif
 
-/* Which kernels there are: those of SSE2, AVX2 and AVX-512, or else plain C. */
+/* Which kernels there are: those of SSE2, AVX2 and AVX-512, or of NEON, or else plain C. */
 #define MLRT_SSE_KERNELS (MLRT_HAVE_SSE && !MLRT_SCALAR)
+#if defined(__aarch64__) && !defined(__AARCH64EB__) && !MLRT_SCALAR
+#define MLRT_NEON_KERNELS 1
+#else
+#define MLRT_NEON_KERNELS 0
+#endif
 
 #if defined(__linux__)
 #define MLRT_HAVE_MADVISE 1

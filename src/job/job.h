@@ -137,5 +137,6 @@ struct mlrt_kernels {
  */
 extern const struct mlrt_kernels mlrt_kernels_kdtree_scalar, mlrt_kernels_kdtree_sse, mlrt_kernels_kdtree_avx2;
 extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_sse, mlrt_kernels_avx2, mlrt_kernels_avx512;
+extern const struct mlrt_kernels mlrt_kernels_neon, mlrt_kernels_kdtree_neon;
 
 #endif

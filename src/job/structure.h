@@ -8,6 +8,7 @@
 
 #include <stddef.h>
 
+#include "base/platform.h"
 #include "base/progress.h"
 #include "exact/hit_list.h"
 #include "scene/tree.h"
@@ -18,7 +19,7 @@ struct mlrt_kernels;
 struct mlrt_worker;
 
 /* The narrowest instruction set that a build has. */
-#define MLRT_ISA_NARROWEST (MLRT_SSE_KERNELS ? MLRT_ISA_SSE : MLRT_ISA_SCALAR)
+#define MLRT_ISA_NARROWEST (MLRT_SSE_KERNELS ? MLRT_ISA_SSE : MLRT_NEON_KERNELS ? MLRT_ISA_NEON : MLRT_ISA_SCALAR)
 
 /* The counts of a file, in their order in its header (api/save.c). */
 enum {
@@ -89,7 +90,7 @@ struct mlrt_structure {
         /* Default sides of the tiles that threads claim: of cameras, rows of pixels in arrays, and lists. */
         uint16_t camera_side, row_side, list_side;
         /* For calls without counters, by MLRT_ISA_*. Where there are none, those of the next narrower set serve. */
-        const struct mlrt_kernels *kernels[MLRT_ISA_AVX512 + 1];
+        const struct mlrt_kernels *kernels[MLRT_ISA_NEON + 1];
         /*
          * Lays out and clears what a worker keeps for the kernels, from `memory` on, in whole cache lines. Returns its
          * bytes. With NULL, only returns them.

@@ -69,6 +69,8 @@ const struct mlrt_structure mlrt_structure_kdtree = {
                .list_side = 32,
 #if MLRT_SSE_KERNELS
                .kernels = {[MLRT_ISA_SSE] = &mlrt_kernels_kdtree_sse, [MLRT_ISA_AVX2] = &mlrt_kernels_kdtree_avx2},
+#elif MLRT_NEON_KERNELS
+               .kernels = {[MLRT_ISA_NEON] = &mlrt_kernels_kdtree_neon},
 #else
                .kernels = {[MLRT_ISA_SCALAR] = &mlrt_kernels_kdtree_scalar},
 #endif

@@ -9,6 +9,8 @@
 
 #if MLRT_SSE_KERNELS
 #include "simd/quad_sse.h"
+#elif MLRT_NEON_KERNELS
+#include "simd/quad_neon.h"
 #else
 #include "simd/quad_scalar.h"
 #endif

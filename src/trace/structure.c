@@ -104,6 +104,8 @@ const struct mlrt_structure mlrt_structure_bvh = {
                .kernels = {[MLRT_ISA_SSE] = &mlrt_kernels_sse,
                            [MLRT_ISA_AVX2] = &mlrt_kernels_avx2,
                            [MLRT_ISA_AVX512] = &mlrt_kernels_avx512},
+#elif MLRT_NEON_KERNELS
+               .kernels = {[MLRT_ISA_NEON] = &mlrt_kernels_neon},
 #else
                .kernels = {[MLRT_ISA_SCALAR] = &mlrt_kernels_scalar},
 #endif

@@ -11,7 +11,7 @@
 typedef uint32_t decide_function(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
                                  struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters);
 
-decide_function decide_close_scalar, decide_close_sse, decide_close_avx2, decide_close_avx512;
+decide_function decide_close_scalar, decide_close_sse, decide_close_avx2, decide_close_avx512, decide_close_neon;
 decide_function decide_rest;
 
 #endif

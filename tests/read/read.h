@@ -14,7 +14,7 @@ struct readers {
     void (*read_packets)(const struct mlrt_source *source, struct mlrt_ray_tile *tile);
 };
 
-extern const struct readers readers_scalar, readers_sse, readers_avx2, readers_avx512;
+extern const struct readers readers_scalar, readers_sse, readers_avx2, readers_avx512, readers_neon;
 
 /* Those of an instruction set; NULL if this machine lacks it. */
 const struct readers *readers_of(int32_t isa);

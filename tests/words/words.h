@@ -120,6 +120,6 @@ struct word_output {
 
 typedef void run_words(const struct word_input *in, struct word_output *out);
 
-run_words run_words_scalar, run_words_sse, run_words_avx2, run_words_avx512;
+run_words run_words_scalar, run_words_sse, run_words_avx2, run_words_avx512, run_words_neon;
 
 #endif

@@ -43,7 +43,7 @@ def version() -> tuple[int, int, int]:
 
 
 def capabilities() -> frozenset[str]:
-    """What the library can do on this machine: names out of "sse", "avx2", "avx512" (isa)."""
+    """What the library can do on this machine: names out of "sse", "avx2", "avx512", "neon" (isa)."""
     from ._abi import CAPABILITIES, library
 
     bits = library.mlrt_capabilities()

@@ -22,12 +22,12 @@ KDTREE_PRESETS = {"paper": 0, "tuned": 1}
 STRUCTURES = {1: "kdtree", 2: "bvh"}
 RULES = {"empty_space": 1, "coplanar": 2, "minimum_cell": 4, "clipped_splits": 8, "retraction": 16}
 METHODS = {None: 0, "ray": 1, "packet2": 2, "packet4": 3, "multilevel": 4, "tile": 5}
-ISAS = {None: 0, "scalar": 1, "sse": 2, "avx2": 3, "avx512": 4}
+ISAS = {None: 0, "scalar": 1, "sse": 2, "avx2": 3, "avx512": 4, "neon": 5}
 PROJECTIONS = {"pinhole": 0, "parallel": 1}
 QUERY_CLOSEST, QUERY_ANY = 0, 1
 LIGHT_POINT, LIGHT_DIRECTIONAL = 0, 1
 LIGHT_LIMIT = 8
-CAPABILITIES = {"sse": 1, "avx2": 2, "avx512": 4}
+CAPABILITIES = {"sse": 1, "avx2": 2, "avx512": 4, "neon": 8}
 LOAD_IN_PLACE = 1
 LOG_ERROR, LOG_WARNING, LOG_INFO = 0, 1, 2
 

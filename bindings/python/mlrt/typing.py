@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     Preset = Literal["default", "fast", "best"]
     KdTreePreset = Literal["paper", "tuned"]
     Method = Optional[Literal["ray", "packet2", "packet4", "multilevel", "tile"]]
-    Isa = Optional[Literal["scalar", "sse", "avx2", "avx512"]]
+    Isa = Optional[Literal["scalar", "sse", "avx2", "avx512", "neon"]]
     Path = Union[str, os.PathLike[str]]
     Source = Union[Path, Buffer, NDArray[Any]]
 else:

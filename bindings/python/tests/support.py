@@ -6,7 +6,7 @@ import numpy as np
 import mlrt
 
 # What every x86-64 has, and what this one may have.
-ISAS = ("scalar", "sse", "avx2", "avx512")
+ISAS = ("scalar", "sse", "avx2", "avx512", "neon")
 BOX_METHODS = (None, "ray", "tile")
 KDTREE_METHODS = (None, "ray", "packet2", "packet4", "multilevel")
 

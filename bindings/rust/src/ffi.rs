@@ -54,6 +54,9 @@ pub const MLRT_CAN_AVX2: u64 = 2;
 /// the same of MLRT_ISA_AVX512
 pub const MLRT_CAN_AVX512: u64 = 4;
 
+/// the same of MLRT_ISA_NEON
+pub const MLRT_CAN_NEON: u64 = 8;
+
 /// mlrt_host
 pub const MLRT_STRUCT_HOST: usize = 0;
 
@@ -186,7 +189,7 @@ pub const MLRT_METHOD_TILE: i32 = 5;
 /// the best that this machine has
 pub const MLRT_ISA_AUTO: i32 = 0;
 
-/// plain C: only in builds without SSE2, which have no other
+/// plain C: only in builds without SSE2 and NEON, which have no other
 pub const MLRT_ISA_SCALAR: i32 = 1;
 
 /// SSE2, on every x86-64: 4 boxes, packets, triangles or rays at a time
@@ -197,6 +200,9 @@ pub const MLRT_ISA_AVX2: i32 = 3;
 
 /// AVX-512 F and DQ: 16 at a time
 pub const MLRT_ISA_AVX512: i32 = 4;
+
+/// NEON, on every aarch64 (little-endian), which has no other: 4 at a time
+pub const MLRT_ISA_NEON: i32 = 5;
 
 /// the closest hit: writes all of mlrt_hits but `occluded`
 pub const MLRT_QUERY_CLOSEST: i32 = 0;

@@ -65,10 +65,11 @@ pub fn can_use(isa: Isa) -> bool {
     let capabilities = unsafe { ffi::mlrt_capabilities() };
     match isa {
         Isa::Auto => true,
-        Isa::Scalar => capabilities & ffi::MLRT_CAN_SSE == 0,
+        Isa::Scalar => capabilities & (ffi::MLRT_CAN_SSE | ffi::MLRT_CAN_NEON) == 0,
         Isa::Sse => capabilities & ffi::MLRT_CAN_SSE != 0,
         Isa::Avx2 => capabilities & ffi::MLRT_CAN_AVX2 != 0,
         Isa::Avx512 => capabilities & ffi::MLRT_CAN_AVX512 != 0,
+        Isa::Neon => capabilities & ffi::MLRT_CAN_NEON != 0,
     }
 }
 

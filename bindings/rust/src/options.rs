@@ -113,6 +113,8 @@ choices! {
         Avx2 = MLRT_ISA_AVX2,
         /// AVX-512 F and DQ.
         Avx512 = MLRT_ISA_AVX512,
+        /// NEON, on aarch64.
+        Neon = MLRT_ISA_NEON,
     }
 }
 

@@ -20,7 +20,9 @@ public final class Mlrt {
         /** AVX2 and FMA. */
         AVX2,
         /** AVX-512. */
-        AVX512
+        AVX512,
+        /** NEON, on aarch64. */
+        NEON
     }
 
     /**

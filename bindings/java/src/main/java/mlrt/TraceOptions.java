@@ -26,14 +26,16 @@ public final class TraceOptions {
     public enum Isa {
         /** The best that the machine has. */
         AUTO,
-        /** Plain C: where the processor has no SSE2. */
+        /** Plain C: where the processor has neither SSE2 nor NEON. */
         SCALAR,
         /** SSE2. */
         SSE,
         /** AVX2 and FMA. */
         AVX2,
         /** AVX-512. */
-        AVX512
+        AVX512,
+        /** NEON, on aarch64. */
+        NEON
     }
 
     /** How a beam is tested against a cell. */

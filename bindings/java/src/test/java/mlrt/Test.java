@@ -201,7 +201,9 @@ final class Test {
     }
 
     private static void testOptions(Tree tree, Pool pool, long hash) {
-        var narrowest = Mlrt.capabilities().contains(Mlrt.Capability.SSE) ? TraceOptions.Isa.SSE : TraceOptions.Isa.SCALAR;
+        var can = Mlrt.capabilities();
+        var narrowest = can.contains(Mlrt.Capability.SSE) ? TraceOptions.Isa.SSE
+            : can.contains(Mlrt.Capability.NEON) ? TraceOptions.Isa.NEON : TraceOptions.Isa.SCALAR;
         TraceOptions[] ways = {new TraceOptions().method(Method.RAY), new TraceOptions().method(Method.TILE).isa(narrowest),
             new TraceOptions().pool(pool)};
         for (var options : ways) require(hash(tree.trace(rays(), options)) == hash, "an option changes the answers");
