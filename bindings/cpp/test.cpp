@@ -47,11 +47,6 @@ static void require(bool fact, const char *what) {
     std::exit(1);
 }
 
-static int32_t narrowest() {
-    const uint64_t can = mlrt_capabilities();
-    return can & MLRT_CAN_SSE ? MLRT_ISA_SSE : can & MLRT_CAN_NEON ? MLRT_ISA_NEON : MLRT_ISA_SCALAR;
-}
-
 static uint64_t hash_of(const mlrt::Hits &hits) {
     uint64_t hash = UINT64_C(0xCBF29CE484222325);
     for (size_t i = 0; i < hits.size(); i++) {
@@ -215,12 +210,14 @@ static void builders(const Arrays &arrays) {
     kd.host = host.get();
     require(mlrt::estimate(arrays.meshes(), kd).memory_size > 0, "an estimate");
     const mlrt::Tree kdtree(arrays.meshes(), kd);
+    const uint64_t can = mlrt_capabilities();
+    const int32_t narrowest = can & MLRT_CAN_SSE ? MLRT_ISA_SSE : can & MLRT_CAN_NEON ? MLRT_ISA_NEON : MLRT_ISA_SCALAR;
     require(kdtree.info().structure == MLRT_STRUCTURE_KDTREE && kdtree.info().depth == 5, "a kd-tree");
     for (int32_t method = MLRT_METHOD_DEFAULT; method <= MLRT_METHOD_MULTILEVEL; method++) {
         mlrt::Counters counters;
         mlrt::TraceOptions trace;
         trace.set(counters).set(host);
-        trace.method = method, trace.isa = narrowest(), trace.culling = MLRT_CULLING_DIRECT, trace.culling_check = 1;
+        trace.method = method, trace.isa = narrowest, trace.culling = MLRT_CULLING_DIRECT, trace.culling_check = 1;
         trace.initial_tile_size = 16, trace.minimum_tile_size = 8, trace.split_factor = 4;
         trace.shortcuts_off = MLRT_SHORTCUT_WHOLE_TILES;
         require(hash_of(kdtree.trace(arrays.rays(), trace)) == hash_of(hits), "a kd-tree changes no answer");
