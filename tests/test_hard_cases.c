@@ -5,6 +5,7 @@
  * is compared with the reference by every way of tracing; where geometry alone says what must come out, that is checked
  * too.
  */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -250,6 +251,46 @@ static void t_exactly_at_both_ends(void **state)
         }
     }
     finish(&fixture, &list);
+}
+
+/*
+ * Triangles beyond what float carries make boxes that have no end, so hits may lie behind 2^126, from where on nothing
+ * else has any, and behind all floats. Rays begin about there.
+ */
+static void begins_behind_all_boxes(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 4 + scaled(8); seed++) {
+        struct random random = {4600 + seed};
+        struct soup soup = {0};
+        struct ray_list list = {0};
+        const int axis = (int)draw_below(&random, 3);
+        const float far = ldexpf(draw_range(&random, 0.5f, 1), 60 + (int)draw_below(&random, 60));
+        float corner[3][3] = {{-far, -far, far}, {far, -far, far}, {0, far, far}};
+        for (int i = 0; i < 3; i++) {
+            const float z = corner[i][2];
+            corner[i][2] = corner[i][axis];
+            corner[i][axis] = z;
+        }
+        soup_add_triangle(&soup, corner[0], corner[1], corner[2]);
+        soup_add_random(&soup, &random, 30, 1, 0.5f);
+        struct fixture fixture = fixture_of_soup("far", seed, &soup);
+        for (int i = 0; i < 300; i++) {
+            float origin[3], direction[3];
+            draw_point(&random, -1, 1, origin);
+            draw_point(&random, -0.5f, 0.5f, direction);
+            direction[axis] = 1;
+            /* The distance to the plane is about 2^120 to 2^135. */
+            const int e = ilogbf(far) - 120 - (int)draw_below(&random, 16);
+            for (int k = 0; k < 3; k++) direction[k] = ldexpf(direction[k], e);
+            struct reference_ray *ray = add_ray(&list, origin, direction);
+            ray->t_min = draw_below(&random, 4)
+                             ? ldexpf(draw_range(&random, 0.9f, 1), 124 + (int)draw_below(&random, 5))
+                             : FLT_MAX;
+            if (draw_below(&random, 3) == 0) ray->t_max = ldexpf(draw_range(&random, 0.5f, 1), 128);
+        }
+        finish(&fixture, &list);
+    }
 }
 
 /* A begin whose product with the length of the ray underflows is no begin at 0. */
@@ -946,6 +987,7 @@ int main(void)
         cmocka_unit_test(origins_within_an_ulp_of_a_triangle),
         cmocka_unit_test(t_exactly_at_both_ends),
         cmocka_unit_test(begins_that_underflow),
+        cmocka_unit_test(begins_behind_all_boxes),
         cmocka_unit_test(coincident_triangles_in_both_windings),
         cmocka_unit_test(parallel_quads_one_float_apart),
         cmocka_unit_test(triangles_without_area_among_others),

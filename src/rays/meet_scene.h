@@ -19,6 +19,8 @@ enum mlrt_lone_ray_kind {
     MLRT_LONE_RAY_MAY_HIT
 };
 
+#define LATEST_END 0x1p126f
+
 /*
  * Compares a ray with the box of all triangles, and sets the numbers of *ray if it may hit one; of the vectors as given
  * it sets nothing. A float that may be read must follow the box: it is loaded, and has no meaning.
@@ -28,7 +30,9 @@ enum mlrt_lone_ray_kind {
  * near <= far (1 + 6.01 u) + 2^-147. RECIPROCAL_SLACK is 8 u, and 2^-126 is the least float that is not denormal. Where
  * d_k is 0, a ray between the planes has the distances -inf and inf, another one has two equal ones; a ray in a plane
  * has a NaN, which f4_min and f4_max pass on in the order of operands below, and which t_min and t_max then replace.
- * Planes are at most 2^62 or infinite, so a box begins at t < 2^123 or never: rays end at 2^126 at the latest.
+ * Planes are at most 2^62 or infinite, so a box begins and ends at t < 2^123 or never. A ray that ends later ends at
+ * LATEST_END, and so passes boxes that never begin; one that begins later begins there, and so meets those that never
+ * end: they may have hits even then.
  */
 MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const struct mlrt_box *box, float reach,
                                                        const float given_origin[3], const float given_direction[3],
@@ -47,8 +51,10 @@ MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const struct mlrt_box *bo
     const f4 reciprocal = f4_div(f4_set1(1), direction);
     const f4 to_lo = f4_mul(f4_sub(f4_load_any(box->lo), origin), reciprocal);
     const f4 to_hi = f4_mul(f4_sub(f4_load_any(box->hi), origin), reciprocal);
-    const float near = f4_greatest_of(f4_min(to_hi, to_lo), given_t_min);
-    const float far = f4_least_of(f4_max(to_lo, to_hi), t_max < 0x1p126f ? t_max : 0x1p126f);
+    const float begin = given_t_min < LATEST_END ? given_t_min : LATEST_END;
+    const float end = t_max < LATEST_END ? t_max : LATEST_END;
+    const float near = f4_greatest_of(f4_min(to_hi, to_lo), begin);
+    const float far = f4_least_of(f4_max(to_lo, to_hi), end);
     if (near > far * (1 + 2 * RECIPROCAL_SLACK) + 0x1p-126f) return MLRT_LONE_RAY_MISSES;
     const float t_min = given_t_min < 0 ? 0 : given_t_min;
     if (!(t_min < t_max)) return MLRT_LONE_RAY_MISSES;
