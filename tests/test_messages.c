@@ -612,7 +612,7 @@ static void check_options(void)
     CHECK(change, RENDER, ARGUMENT, text)
     OPTION(now.options.query = 2, "options.query: 2 is not from 0 to 1");
     OPTION(now.options.method = -1, "options.method: -1 is not from 0 to 5");
-    OPTION(now.options.isa = 5, "options.isa: 5 is not from 0 to 4");
+    OPTION(now.options.isa = 6, "options.isa: 6 is not from 0 to 5");
     OPTION(now.options.culling = 2, "options.culling: 2 is not from 0 to 1");
     OPTION(now.options.culling_check = 2, "options.culling_check: 2 is not from 0 to 1");
     OPTION(now.options.outputs = 64, "options.outputs: 64 is not from 0 to 63");

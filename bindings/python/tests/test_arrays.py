@@ -389,7 +389,7 @@ class Refused(unittest.TestCase):
             {"skip": [0.5, 0]},
             {"skip": [0, 0, 0]},
             {"method": "fast"},
-            {"isa": "neon"},
+            {"isa": "mmx"},
             {"row_length": -1},
             {"row_length": 2.5},
             {"row_length": 1 << 32},
