@@ -157,6 +157,74 @@ static void the_room(void **state)
     check_mixed(&fixture, 600, 0, 4);
 }
 
+static void draw_whole_point(struct random *random, uint32_t greatest, float point[3])
+{
+    for (int k = 0; k < 3; k++) point[k] = (float)draw_below(random, 2 * greatest + 1) - (float)greatest;
+}
+
+/*
+ * Packets of one ray each, through a corner or the middle of an edge: what bounds all lanes bounds nothing but this ray,
+ * and must not be rounded past it. The first of eight tiles has random rays, so that the others go lane by lane.
+ */
+static void packets_of_one_ray(void **state)
+{
+    (void)state;
+    enum { TRIANGLES = 300, RAYS = 512 * 256 };
+    static float origins[RAYS][3], directions[RAYS][3], corner[TRIANGLES][3][3];
+    static uint32_t expected[RAYS], found[RAYS];
+    const mlrt_rays rays = {.struct_size = sizeof rays,
+                            .row_length = 16,
+                            .count = RAYS,
+                            .origins = {origins, 0},
+                            .directions = {directions, 0}};
+    for (uint64_t seed = 0; seed < 2 + scaled(2); seed++) {
+        struct random random = {160 + seed};
+        struct soup soup = {0};
+        mlrt_trace_options options = {.struct_size = sizeof options, .method = MLRT_METHOD_RAY};
+        mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {expected, 0, 0}};
+        for (int i = 0; i < TRIANGLES; i++) {
+            const uint32_t flat = draw_below(&random, 4); /* an axis, mostly */
+            float middle[3];
+            draw_whole_point(&random, 30, middle);
+            for (int j = 0; j < 3; j++) {
+                draw_whole_point(&random, 2, corner[i][j]);
+                for (int k = 0; k < 3; k++) corner[i][j][k] += middle[k];
+                if (flat < 3) corner[i][j][flat] = corner[i][0][flat];
+            }
+            soup_add_triangle(&soup, corner[i][0], corner[i][1], corner[i][2]);
+        }
+        struct fixture fixture = fixture_of_soup("whole numbers", seed, &soup);
+        for (size_t packet = 0; packet < RAYS / 16; packet++) {
+            const size_t first = packet / 4 * 64 + packet % 4 * 4; /* its rays are 4x4 of rows of 16 */
+            float(*const of)[3] = corner[draw_below(&random, TRIANGLES)];
+            const uint32_t j = draw_below(&random, 3), other = draw_below(&random, 2) ? j : (j + 1) % 3;
+            float origin[3];
+            draw_whole_point(&random, 30, origin);
+            for (size_t lane = 0; lane < 16; lane++) {
+                const size_t i = first + lane / 4 * 16 + lane % 4;
+                if (packet / 16 % 8 == 0) {
+                    draw_point(&random, -30, 30, origins[i]);
+                    draw_point(&random, -1, 1, directions[i]);
+                    continue;
+                }
+                for (int k = 0; k < 3; k++) {
+                    origins[i][k] = origin[k];
+                    directions[i][k] = 0.5f * (of[j][k] + of[other][k]) - origin[k];
+                }
+            }
+        }
+        assert_int_equal(mlrt_trace_packet(fixture.tree, &rays, &options, &hits), MLRT_OK);
+        hits.triangle.data = found;
+        options.method = MLRT_METHOD_TILE;
+        for (options.isa = MLRT_ISA_SCALAR; options.isa <= MLRT_ISA_NEON; options.isa++) {
+            if (!isa_is_supported(options.isa)) continue;
+            assert_int_equal(mlrt_trace_packet(fixture.tree, &rays, &options, &hits), MLRT_OK);
+            assert_memory_equal(found, expected, sizeof expected);
+        }
+        free_fixture(&fixture);
+    }
+}
+
 /* Rays that are not alike are slow in a large scene: a few of them, and a picture. */
 static void the_office(void **state)
 {
@@ -825,6 +893,7 @@ int main(void)
         cmocka_unit_test(equal_triangles),
         cmocka_unit_test(triangles_around_one_point),
         cmocka_unit_test(the_room),
+        cmocka_unit_test(packets_of_one_ray),
         cmocka_unit_test(the_office),
         cmocka_unit_test(the_scan),
         cmocka_unit_test(every_preset_and_rule),
