@@ -31,10 +31,7 @@ MLRT_INLINE vf v_min(vf a, vf b) { return f4_min(a, b); }
 MLRT_INLINE vf v_max(vf a, vf b) { return f4_max(a, b); }
 MLRT_INLINE vf v_abs(vf a) { return vabsq_f32(a); }
 MLRT_INLINE vf v_opposite(vf a) { return vnegq_f32(a); }
-MLRT_INLINE vf v_flip(vf a, vf b)
-{
-    return f4_of_words(veorq_u32(f4_words(a), vandq_u32(f4_words(b), vdupq_n_u32(0x80000000u))));
-}
+MLRT_INLINE vf v_flip(vf a, vf b) { return flip_lanes(a, b); }
 MLRT_INLINE float v_hmin(vf a) { return f4_hmin(a); }
 MLRT_INLINE float v_hmax(vf a) { return f4_hmax(a); }
 

@@ -58,10 +58,12 @@ MLRT_INLINE f4 f4_div(f4 a, f4 b) { return vdivq_f32(a, b); }
 MLRT_INLINE f4 f4_min(f4 a, f4 b) { return vbslq_f32(vcltq_f32(a, b), a, b); }
 MLRT_INLINE f4 f4_max(f4 a, f4 b) { return vbslq_f32(vcgtq_f32(a, b), a, b); }
 MLRT_INLINE f4 f4_abs(f4 a) { return vabsq_f32(a); }
-MLRT_INLINE f4 f4_flip(f4 a, float b)
+/* Each lane of a with its sign flipped where that of b is negative. */
+MLRT_INLINE f4 flip_lanes(f4 a, f4 b)
 {
-    return f4_of_words(veorq_u32(f4_words(a), vandq_u32(f4_words(vdupq_n_f32(b)), vdupq_n_u32(0x80000000u))));
+    return f4_of_words(veorq_u32(f4_words(a), vandq_u32(f4_words(b), vdupq_n_u32(0x80000000u))));
 }
+MLRT_INLINE f4 f4_flip(f4 a, float b) { return flip_lanes(a, vdupq_n_f32(b)); }
 MLRT_INLINE f4 f4_hide(f4 a, f4 sign)
 {
     return f4_of_words(vorrq_u32(f4_words(a), vcltzq_s32(vreinterpretq_s32_f32(sign))));

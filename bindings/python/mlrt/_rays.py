@@ -129,7 +129,7 @@ def _common_shape(
     shapes = [origins.shape[:-1], directions.shape[:-1]]
     shapes += [array.shape for array in (t_min, t_max, mask) if array is not None]
     shapes += [skip.shape[:-1]] if skip is not None else []
-    if shapes.count(shapes[0]) == len(shapes):  # broadcast_shapes takes 5 us
+    if shapes.count(shapes[0]) == len(shapes):  # broadcast_shapes takes 1.7 us
         return shapes[0]
     try:
         return np.broadcast_shapes(*shapes)
