@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "simd/double_pair.h"
 #include "words/words.h"
 
 static const char *const names[WORD_COUNT] = {"v_set1",         "v_add",          "v_sub",
@@ -132,8 +133,40 @@ static void the_words_mean_the_same(void **state)
 #endif
 }
 
+static void check_pair(double first, double second, d2 pair)
+{
+    const double found[2] = {d2_first(pair), d2_first(d2_swap(pair))}, expected[2] = {first, second};
+    assert_memory_equal(expected, found, sizeof found);
+}
+
+/* Pairs of doubles mean what two doubles do, on all pairs of special values but NaN. */
+static void pairs_of_doubles_are_doubles(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < SPECIAL_COUNT * SPECIAL_COUNT; ++i) {
+        const float p = special[i / SPECIAL_COUNT], q = special[i % SPECIAL_COUNT];
+        const double x = p, y = q;
+        if (isnan(p) || isnan(q)) continue;
+        const d2 a = d2_load(&p, &q), b = d2_swap(a), one = d2_set1(1);
+        check_pair(x, y, a);
+        check_pair(y, x, b);
+        check_pair(x, x, d2_load1(&p));
+        check_pair(fabs(x), fabs(y), d2_abs(a));
+        if (isfinite(p) && isfinite(q)) {
+            check_pair(x + y, y + x, d2_add(a, b));
+            check_pair(x - y, y - x, d2_sub(a, b));
+            check_pair(x * y, y * x, d2_mul(a, b));
+        }
+        assert_int_equal(x == 0 && y == 0, d2_zero(a));
+        assert_int_equal(x == 0 && y == 0, d2_zero(d2_either(d2_load1(&p), d2_load1(&q))));
+        assert_int_equal(x > 1 && y > 1, d2_gt(a, one));
+        assert_int_equal(x < 1 && y < 1, d2_gt(one, a));
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(the_words_mean_the_same)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_words_mean_the_same),
+                                       cmocka_unit_test(pairs_of_doubles_are_doubles)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

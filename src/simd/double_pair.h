@@ -21,6 +21,26 @@ MLRT_INLINE double d2_first(d2 a) { return _mm_cvtsd_f64(a); }
 MLRT_INLINE d2 d2_either(d2 a, d2 b) { return _mm_or_pd(a, b); }
 MLRT_INLINE int d2_zero(d2 a) { return _mm_movemask_pd(_mm_cmpeq_pd(a, _mm_setzero_pd())) == 3; }
 MLRT_INLINE int d2_gt(d2 a, d2 b) { return _mm_movemask_pd(_mm_cmpgt_pd(a, b)) == 3; }
+#elif MLRT_NEON_KERNELS
+#include <arm_neon.h>
+
+typedef float64x2_t d2;
+MLRT_INLINE d2 d2_set1(double a) { return vdupq_n_f64(a); }
+MLRT_INLINE d2 d2_load(const float *p, const float *q) { return vcvt_f64_f32(vld1_lane_f32(q, vld1_dup_f32(p), 1)); }
+MLRT_INLINE d2 d2_load1(const float *p) { return vcvt_f64_f32(vld1_dup_f32(p)); }
+MLRT_INLINE d2 d2_add(d2 a, d2 b) { return vaddq_f64(a, b); }
+MLRT_INLINE d2 d2_sub(d2 a, d2 b) { return vsubq_f64(a, b); }
+MLRT_INLINE d2 d2_mul(d2 a, d2 b) { return vmulq_f64(a, b); }
+MLRT_INLINE d2 d2_abs(d2 a) { return vabsq_f64(a); }
+MLRT_INLINE d2 d2_swap(d2 a) { return vextq_f64(a, a, 1); }
+MLRT_INLINE double d2_first(d2 a) { return vgetq_lane_f64(a, 0); }
+MLRT_INLINE d2 d2_either(d2 a, d2 b)
+{
+    return vreinterpretq_f64_u64(vorrq_u64(vreinterpretq_u64_f64(a), vreinterpretq_u64_f64(b)));
+}
+MLRT_INLINE int both_of(uint64x2_t a) { return vminvq_u32(vreinterpretq_u32_u64(a)) != 0; }
+MLRT_INLINE int d2_zero(d2 a) { return both_of(vceqzq_f64(a)); }
+MLRT_INLINE int d2_gt(d2 a, d2 b) { return both_of(vcgtq_f64(a, b)); }
 #else
 #include <math.h>
 
