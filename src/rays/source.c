@@ -142,6 +142,7 @@ int mlrt_get_ray(const struct mlrt_source *source, uint32_t i, struct mlrt_ray_s
     float room[3];
     *skip = MLRT_NONE;
     if (i >= source->count) return 0;
+    mlrt_begin_rays(source, &given);
     mlrt_read_ray(source, i, room, &given);
     *skip = given.skip;
     return mlrt_get_lone_segment(&given, ray);
@@ -177,9 +178,10 @@ void mlrt_begin_packet(const struct mlrt_source *source, struct mlrt_packet *pac
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                        struct mlrt_packet *packet)
 {
+    struct mlrt_lone_ray ray;
     mlrt_begin_packet(source, packet);
+    mlrt_begin_rays(source, &ray);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        struct mlrt_lone_ray ray;
         float room[3];
         mlrt_read_ray(source, ray_of_lane(source, x, y, lanes, lane), room, &ray);
         for (int k = 0; k < 3; ++k) {

@@ -111,33 +111,39 @@ MLRT_INLINE uint32_t mlrt_mask_of_ray(const struct mlrt_source *source, uint32_t
     return mask ? mask : MLRT_MASK_ALL;
 }
 
+/* Sets the fields of *ray that mlrt_read_ray leaves alone where a source has no array for them. */
+MLRT_INLINE void mlrt_begin_rays(const struct mlrt_source *source, struct mlrt_lone_ray *ray)
+{
+    ray->given_origin = ray->given_direction = source->light;
+    ray->t_min = 0;
+    ray->t_max = source->kind == MLRT_SOURCE_POINT_LIGHT ? 1 : INFINITY;
+    ray->mask = source->common_mask;
+    ray->skip = MLRT_NONE;
+}
+
 /*
- * Reads ray i of arrays, as it was given: vectors, limits, mask and skip of *ray. `room` holds a vector that is in no
- * array.
+ * Reads ray i of arrays, as it was given: vectors, limits, mask and skip of *ray, after mlrt_begin_rays. `room` holds a
+ * vector that is in no array.
  */
 MLRT_INLINE void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, float room[3], struct mlrt_lone_ray *ray)
 {
     const uint32_t origin = mlrt_element_of_ray(i, source->arrays.rays_per_origin);
     const float *point = mlrt_element(&source->arrays.points, origin);
-    ray->given_origin = point;
-    ray->given_direction = source->light;
-    ray->t_min = 0;
-    ray->t_max = INFINITY;
-    ray->mask = mlrt_mask_of_ray(source, i);
-    if (source->kind == MLRT_SOURCE_RAYS) {
+    if (MLRT_LIKELY(source->kind == MLRT_SOURCE_RAYS)) {
+        ray->given_origin = point;
         ray->given_direction = mlrt_element(&source->arrays.directions, i);
         if (source->arrays.t_min.data) ray->t_min = *mlrt_element(&source->arrays.t_min, origin);
         if (source->arrays.t_max.data) ray->t_max = *mlrt_element(&source->arrays.t_max, i);
     } else if (source->kind == MLRT_SOURCE_POINT_LIGHT) {
         for (int k = 0; k < 3; ++k) room[k] = point[k] - source->light[k];
-        ray->given_origin = source->light;
         ray->given_direction = room;
-        ray->t_max = 1;
+    } else {
+        ray->given_origin = point;
     }
-    ray->skip = MLRT_NONE;
+    if (source->arrays.mask.data) ray->mask = mlrt_mask_of_ray(source, i);
     if (!source->arrays.skip.data) return;
     const uint32_t *pair = (const uint32_t *)(const void *)mlrt_element(&source->arrays.skip, origin);
-    if (pair[0] != MLRT_NONE) ray->skip = mlrt_triangle_number(source->tree, pair[0], pair[1]);
+    ray->skip = pair[0] != MLRT_NONE ? mlrt_triangle_number(source->tree, pair[0], pair[1]) : MLRT_NONE;
 }
 
 /* 1 if float arithmetic carries the vector, or the ray, without overflow or loss (packet.h). */

@@ -23,7 +23,7 @@ void mlrt_trace_by_ray(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, m
 }
 
 /* Sets the numbers of a ray where the unit of boxes is 1, and says what is known of it. */
-static MLRT_NOINLINE enum mlrt_lone_ray_kind take_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray)
+MLRT_INLINE enum mlrt_lone_ray_kind take_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray)
 {
     if (MLRT_UNLIKELY(tree->bvh.unit != 1)) return MLRT_LONE_RAY_MAY_HIT;
     return mlrt_take_lone_ray(&tree->bvh.whole, tree->bvh.reach, ray->given_origin, ray->given_direction, ray->t_min,
@@ -89,6 +89,7 @@ static MLRT_NOINLINE int trace_few_rays(const struct mlrt_job *job, const mlrt_h
     struct mlrt_lone_ray ray;
     ray.kernels = job->kernels;
     ray.any = job->any;
+    mlrt_begin_rays(&job->source, &ray);
     for (uint32_t i = 0; i < job->source.count; ++i) {
         float room[3];
         mlrt_read_ray(&job->source, i, room, &ray);
