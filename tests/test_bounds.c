@@ -597,8 +597,10 @@ static double attack_filter_t_floor(const float *input)
 
 /* ---- the filter of single rays ----------------------------------------------------------------------------------- */
 
-/* What it works out of the inputs: for one ray, or for any from its origin (lane_by_lane.h). 0 if that is beyond what float
- * carries, which it must notice. */
+/*
+ * What it works out of the inputs: for one ray, or for any from its origin (lanes_leaf.h). 0 if that is beyond what
+ * float carries, which it must notice.
+ */
 static int load_single(const float *input, int is_any, struct float_test *test)
 {
     static struct lanes_search search;

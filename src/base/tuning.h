@@ -53,8 +53,8 @@
 
 /*
  * If a bundle has at least MANY_PACKETS packets, and at most FEW_PACKETS of them meet a child, then the rays of these
- * that meet it are traced one by one from there (trace_few_of_bundle, trace/tile.h): at most FEW_RAYS rays through a
- * node, at most FEW_LEAF_RAYS through a leaf that is not set up. MANY_PACKETS of 17: never.
+ * that meet it are traced one by one from there (trace_few_of_bundle, trace/traverse_bundle.h): at most FEW_RAYS rays
+ * through a node, at most FEW_LEAF_RAYS through a leaf that is not set up. MANY_PACKETS of 17: never.
  *
  * Only scenes of small triangles, such as cruiser, need these rules; docs/tried.md, "Bundles", has other values.
  */

@@ -23,7 +23,7 @@
 
 /*
  * Bounds of reciprocals are moved apart by this share of themselves: more than what roundings change
- * (mlrta/interval_traversal.h, trace/single_ray.h). SLOPE_SLACK in slope_limits.h is that of slopes.
+ * (mlrta/interval_traversal.h, trace/single_ray_boxes.h). SLOPE_SLACK in slope_limits.h is that of slopes.
  */
 #define RECIPROCAL_SLACK 0x1p-21f
 

@@ -57,7 +57,7 @@ MLRT_INLINE uint32_t store_nearest_hits(const struct nearest_hits *nearest, int 
 
 /*
  * Sets the bounds of t in a packet from those of tau. Replaces -0 in its directions by 0, as 1 / -0 is -inf
- * (single_ray.h).
+ * (single_ray_boxes.h).
  */
 static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *rays, struct mlrt_packet *packet)
 {

@@ -1,0 +1,391 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The lanes of a packet against the boxes of a node: either each box against all lanes at once, or each lane against
+ * all boxes at once, whichever takes fewer steps. And the stack of boxes that lanes have yet to visit.
+ *
+ * BOXES. The arithmetic and its bounds are those of single_ray_boxes.h.
+ *
+ * HULLS. Before the lanes of a node are tested, its boxes are compared with a hull of all lanes, if that is narrow.
+ * Along an axis where the signs of all directions agree, the hull is the intervals of origins and of reciprocals: the
+ * product of a difference and a reciprocal lies between those of the intervals' ends, and roundings are monotone. Along
+ * another axis, the hull is the interval of all coordinates on the rays, from o to e = o + t d for the t where they
+ * end, or everything if they do not end. As computed, t d is off by 1.001 u of itself, so of |o| + |e|, and by 2^-150,
+ * and the sum by u |e|. So e is moved outward by 4 u (|o| + |e|) + 2^-126. This also covers the rounding of the moved
+ * end, u of itself. If e is infinite, the sum or the difference is a NaN, which v_min and v_max drop: then o is the
+ * end, which is right.
+ */
+#ifndef MLRT_TRACE_LANES_BOXES_H
+#define MLRT_TRACE_LANES_BOXES_H
+
+#include <float.h>
+#include <math.h>
+
+#include "base/counters.h"
+#include "rays/extremes.h"
+#include "rays/packet.h"
+#include "simd/simd.h"
+#include "trace/bundle.h"
+#include "trace/single_ray_boxes.h"
+
+/* This many lanes, or fewer, are traced one by one. */
+#define FEW_LANES 4
+
+/* For this many lanes, or fewer, the hull is not worth its cost: the lanes are tested against all boxes. */
+#define FEW_FOR_HULL 6
+
+struct pending_lanes {
+    float near; /* the least is on top: see push_lanes */
+    uint32_t child;
+    uint32_t lanes;
+};
+
+/* Bounds of the rays of a packet, along each axis and of t. */
+struct lanes_hull {
+    int agree[3];       /* all d_k have one sign, and none is 0 */
+    float lo[3], hi[3]; /* of origins where signs agree, else of all coordinates on the rays */
+    float reciprocal_lo[3], reciprocal_hi[3];
+    float direction_lo[3], direction_hi[3];
+    int is_narrow; /* rays end, or signs agree along two axes or more: else hardly a box misses the hull */
+    float least_t_min;
+    float farthest; /* the greatest t where a ray ends, before any hit */
+};
+
+/* The rays of a packet as they are tested against boxes, as in struct single_ray. */
+struct lanes_slabs {
+    MLRT_ALIGNED(64) float near[3][MLRT_PACKET_RAYS]; /* -1 / d, moved toward 0 */
+    MLRT_ALIGNED(64) float far[3][MLRT_PACKET_RAYS];  /* -1 / d, moved away from 0 */
+    MLRT_ALIGNED(64) uint32_t near_row[3][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) uint32_t far_row[3][MLRT_PACKET_RAYS];
+};
+
+/* The search of a packet: its rays as they are tested against boxes, and its stack. */
+struct lanes_search {
+    struct mlrt_reciprocals reciprocals;
+    struct lanes_slabs slabs;
+    struct lanes_hull hull;
+    int one_origin;
+    float origin[3]; /* of all rays, if one_origin */
+    float reach;     /* 4 m: 4 times the greatest |d_k| of all lanes */
+    uint32_t alive;  /* lanes that still need hits: where any hit will do, those without one */
+    uint32_t count;
+    struct pending_lanes stack[MLRT_BVH_STACK_LIMIT + 1];
+};
+
+/* Sets lo and hi of an axis to the interval of all coordinates on the rays: see "HULLS" above. */
+MLRT_INLINE void bound_along(const struct mlrt_packet *packet, uint32_t lanes, int k, struct lanes_search *search)
+{
+    vf lo = v_set1(INFINITY), hi = v_set1(-INFINITY);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vm among = m_from_bits(lanes >> v);
+        const vf origin = v_load(packet->origin[k] + v), d = v_load(packet->direction[k] + v);
+        const vf end = v_add(origin, v_mul(v_min(v_load(packet->nearest.hi + v), v_set1(FLT_MAX)), d));
+        const vf slack = v_mul_add(v_add(v_abs(origin), v_abs(end)), v_set1(0x1p-22f), v_set1(0x1p-126f));
+        lo = v_min(v_select(among, v_min(v_sub(end, slack), origin), v_set1(INFINITY)), lo);
+        hi = v_max(v_select(among, v_max(v_add(end, slack), origin), v_set1(-INFINITY)), hi);
+    }
+    search->hull.lo[k] = v_hmin(lo);
+    search->hull.hi[k] = v_hmax(hi);
+}
+
+/*
+ * Sets what tests against boxes need along axis k, and finds the least values, and the least negated ones, of origins
+ * and directions. If the packet has an apex, its row of origins is filled with it.
+ */
+MLRT_INLINE void set_lanes_along(struct mlrt_packet *packet, uint32_t lanes, int k, struct lanes_search *search,
+                                 float least[4])
+{
+    struct extremes origins = NO_EXTREMES, directions = NO_EXTREMES;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf none = v_select(m_from_bits(lanes >> v), v_set1(0), v_set1(NAN)); /* extremes ignore NaNs */
+        if (packet->has.apex) v_store(packet->origin[k] + v, v_set1(packet->apex[k]));
+        const vf d = v_load(packet->direction[k] + v), r = v_div(v_set1(1), d);
+        const vm down = v_lt(d, v_set1(0));
+        v_store(search->reciprocals.rounded[k] + v, r);
+        v_store(search->slabs.near[k] + v, v_mul(r, v_set1(RECIPROCAL_SLACK - 1)));
+        v_store(search->slabs.far[k] + v, v_mul(r, v_set1(-RECIPROCAL_SLACK - 1)));
+        const vi lower = i_set1(row_of_planes(0, k)), upper = i_set1(row_of_planes(1, k));
+        i_store(search->slabs.near_row[k] + v, i_select(down, upper, lower));
+        i_store(search->slabs.far_row[k] + v, i_select(down, lower, upper));
+        add_to_extremes(v_add(v_load(packet->origin[k] + v), none), &origins);
+        add_to_extremes(v_add(d, none), &directions);
+    }
+    f4_store(least, v_hmin4(origins.least, origins.negated, directions.least, directions.negated));
+}
+
+/*
+ * Begins the search of a packet. Where signs agree, reciprocals and roundings are monotone: so the ends of the hull are
+ * those of a lane.
+ */
+static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes, struct lanes_search *search)
+{
+    struct lanes_hull *hull = &search->hull;
+    float reach = 0;
+    search->alive = lanes;
+    search->count = 0;
+    search->one_origin = 1;
+    hull->least_t_min = lowest(packet->t_min, lanes);
+    hull->farthest = finite_limit(highest(packet->nearest.hi, lanes));
+    for (int k = 0; k < 3; ++k) {
+        MLRT_ALIGNED(16) float least[4];
+        set_lanes_along(packet, lanes, k, search, least);
+        const float from = least[2], to = -least[3];
+        search->origin[k] = least[0];
+        search->one_origin &= least[0] == -least[1];
+        reach = larger_of(larger_of(-from, to), reach);
+        hull->lo[k] = least[0];
+        hull->hi[k] = -least[1];
+        hull->direction_lo[k] = from;
+        hull->direction_hi[k] = to;
+        hull->agree[k] = from > 0 || to < 0;
+        if (hull->agree[k]) {
+            hull->reciprocal_lo[k] = 1 / from * (from > 0 ? -RECIPROCAL_SLACK - 1 : RECIPROCAL_SLACK - 1);
+            hull->reciprocal_hi[k] = 1 / to * (from > 0 ? RECIPROCAL_SLACK - 1 : -RECIPROCAL_SLACK - 1);
+        } else if (hull->farthest < FLT_MAX) {
+            bound_along(packet, lanes, k, search);
+        } else {
+            hull->lo[k] = -INFINITY;
+            hull->hi[k] = INFINITY;
+        }
+    }
+    search->reach = 4 * reach;
+    hull->is_narrow = hull->farthest < FLT_MAX || hull->agree[0] + hull->agree[1] + hull->agree[2] >= 2;
+}
+
+/* Returns the boxes of a node that the hull of all lanes meets. Rays end at `farthest` at the latest. */
+MLRT_INLINE uint32_t boxes_of_lanes(const struct lanes_search *search, const struct mlrt_bvh_node *node, float farthest)
+{
+    enum { VECTORS = MLRT_BVH_WIDTH / VW };
+    uint32_t met = 0;
+    vf first[VECTORS], last[VECTORS];
+    vm may[VECTORS];
+    MLRT_UNROLL
+    for (int i = 0; i < VECTORS; ++i) {
+        first[i] = v_set1(search->hull.least_t_min), last[i] = v_set1(farthest);
+        may[i] = v_le(v_load(node->lo[0] + i * VW), v_load(node->hi[0] + i * VW));
+    }
+    for (int k = 0; k < 3; ++k) {
+        const vf from = v_set1(search->hull.lo[k]), to = v_set1(search->hull.hi[k]);
+        const vf lo = v_set1(search->hull.reciprocal_lo[k]), hi = v_set1(search->hull.reciprocal_hi[k]);
+        const int down = search->hull.direction_hi[k] < 0; /* where signs agree */
+        if (!search->hull.agree[k]) {
+            MLRT_UNROLL
+            for (int i = 0; i < VECTORS; ++i) {
+                may[i] = m_and(may[i],
+                               m_and(v_le(v_load(node->lo[k] + i * VW), to), v_ge(v_load(node->hi[k] + i * VW), from)));
+            }
+            continue;
+        }
+        MLRT_UNROLL
+        for (int i = 0; i < VECTORS; ++i) {
+            const vf x = v_sub(to, v_load(node->lo[k] + i * VW)), y = v_sub(from, v_load(node->hi[k] + i * VW));
+            const vf near = down ? y : x, far = down ? x : y;
+            first[i] = v_max(v_min(v_mul(near, lo), v_mul(near, hi)), first[i]);
+            last[i] = v_min(v_max(v_mul(far, lo), v_mul(far, hi)), last[i]);
+        }
+    }
+    MLRT_UNROLL
+    for (int i = 0; i < VECTORS; ++i) met |= m_bits(m_and(may[i], v_le(first[i], last[i]))) << i * VW;
+    return met;
+}
+
+/*
+ * Returns those of `lanes` that may meet a box. Sets *near to the least t where one enters it; with `any`, to minus the
+ * longest distance of a lane in it.
+ */
+MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struct mlrt_packet *packet,
+                                  const struct mlrt_bvh_node *node, uint32_t place, uint32_t lanes, int any,
+                                  float *near)
+{
+    enum { VECTORS = MLRT_PACKET_RAYS / VW };
+    uint32_t met = 0;
+    vf first[VECTORS], last[VECTORS], nearest = v_set1(INFINITY);
+    MLRT_UNROLL
+    for (int i = 0; i < VECTORS; ++i) {
+        first[i] = v_load(packet->t_min + i * VW);
+        last[i] = v_min(v_load(packet->nearest.hi + i * VW), v_set1(FLT_MAX));
+    }
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vf lo = v_set1(node->lo[k][place]), hi = v_set1(node->hi[k][place]);
+        MLRT_UNROLL
+        for (int i = 0; i < VECTORS; ++i) {
+            const vf origin = v_load(packet->origin[k] + i * VW), near_factor = v_load(search->slabs.near[k] + i * VW);
+            const vm down = v_gt(near_factor, v_set1(0)); /* d_k < 0 */
+            const vf x = v_sub(origin, v_select(down, hi, lo)), y = v_sub(origin, v_select(down, lo, hi));
+            first[i] = v_max(v_mul(x, near_factor), first[i]);
+            last[i] = v_min(v_mul(y, v_load(search->slabs.far[k] + i * VW)), last[i]);
+        }
+    }
+    MLRT_UNROLL
+    for (int i = 0; i < VECTORS; ++i) {
+        const vm hit = m_and(m_from_bits(lanes >> i * VW), v_le(first[i], last[i]));
+        nearest = v_min(v_select(hit, any ? v_sub(first[i], last[i]) : first[i], v_set1(INFINITY)), nearest);
+        met |= m_bits(hit) << i * VW;
+    }
+    *near = v_hmin(nearest);
+    return met;
+}
+
+/* Where and which lanes meet the boxes of a node: as lanes_in_box says, for each box that one of them meets. */
+struct boxes_met {
+    MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
+    MLRT_ALIGNED(64) uint32_t lanes_of[MLRT_BVH_WIDTH];
+};
+
+/* Tests each of `boxes` against all lanes at once. Returns the boxes that a lane may meet. */
+MLRT_INLINE uint32_t meet_by_boxes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t boxes,
+                                   uint32_t lanes, int any, const struct lanes_search *search, struct boxes_met *of)
+{
+    uint32_t met = 0;
+    for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) v_store(of->near + v, v_set1(0));
+    for (; boxes; boxes &= boxes - 1) {
+        const uint32_t place = mlrt_lowest_bit(boxes);
+        of->lanes_of[place] = lanes_in_box(search, packet, node, place, lanes, any, &of->near[place]);
+        met |= (uint32_t)(of->lanes_of[place] != 0) << place;
+    }
+    return met;
+}
+
+/*
+ * Of the boxes of a node, two vectors are tested together, since they share what is loaded of a lane. Sixteen lanes
+ * need one vector.
+ */
+#define VECTORS_TOGETHER (VW < MLRT_BVH_WIDTH ? 2 : 1)
+#define BOXES_TOGETHER   (VECTORS_TOGETHER * VW)
+
+/*
+ * Tests each lane against the BOXES_TOGETHER boxes from `begin` on, and sets near and lanes_of of each. Returns the
+ * boxes that a lane may meet.
+ */
+MLRT_INLINE uint32_t test_boxes_by_lanes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, int begin,
+                                         uint32_t lanes, int any, const struct lanes_search *search,
+                                         struct boxes_met *of_boxes)
+{
+    const char *planes = (const char *)(node->lo[0] + begin);
+    vf nearest[VECTORS_TOGETHER];
+    vi of[VECTORS_TOGETHER];
+    uint32_t met = 0;
+    MLRT_UNROLL
+    for (int i = 0; i < VECTORS_TOGETHER; ++i) {
+        nearest[i] = v_set1(INFINITY);
+        of[i] = i_set1(0);
+    }
+    for (uint32_t left = lanes; left; left &= left - 1) {
+        const uint32_t lane = mlrt_lowest_bit(left);
+        vf first[VECTORS_TOGETHER], last[VECTORS_TOGETHER];
+        MLRT_UNROLL
+        for (int i = 0; i < VECTORS_TOGETHER; ++i) {
+            first[i] = v_set1(packet->t_min[lane]);
+            last[i] = v_set1(finite_limit(packet->nearest.hi[lane]));
+        }
+        MLRT_UNROLL
+        for (uint32_t k = 0; k < 3; ++k) {
+            const float *near = (const float *)(const void *)(planes + search->slabs.near_row[k][lane]);
+            const float *far = (const float *)(const void *)(planes + search->slabs.far_row[k][lane]);
+            const vf origin = v_set1(packet->origin[k][lane]);
+            MLRT_UNROLL
+            for (int i = 0; i < VECTORS_TOGETHER; ++i) {
+                const vf x = v_sub(origin, v_load(near + i * VW)), y = v_sub(origin, v_load(far + i * VW));
+                first[i] = v_max(v_mul(x, v_set1(search->slabs.near[k][lane])), first[i]);
+                last[i] = v_min(v_mul(y, v_set1(search->slabs.far[k][lane])), last[i]);
+            }
+        }
+        MLRT_UNROLL
+        for (int i = 0; i < VECTORS_TOGETHER; ++i) {
+            const vm hit = v_le(first[i], last[i]);
+            nearest[i] = v_min(v_select(hit, any ? v_sub(first[i], last[i]) : first[i], nearest[i]), nearest[i]);
+            of[i] = i_select(hit, i_sub(of[i], i_set1(0u - (1u << lane))), of[i]);
+        }
+    }
+    MLRT_UNROLL
+    for (int i = 0; i < VECTORS_TOGETHER; ++i) {
+        const int v = begin + i * VW;
+        v_store(of_boxes->near + v, nearest[i]);
+        i_store(of_boxes->lanes_of + v, of[i]);
+        met |= (~m_bits(i_eq(of[i], i_set1(0))) & ALL_LANES) << v;
+    }
+    return met;
+}
+
+/* Tests each lane against all boxes at once. Returns the boxes that a lane may meet. */
+MLRT_INLINE uint32_t meet_by_lanes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t lanes,
+                                   int any, const struct lanes_search *search, struct boxes_met *of)
+{
+    uint32_t met = 0;
+    for (int begin = 0; begin < MLRT_BVH_WIDTH; begin += BOXES_TOGETHER) {
+        met |= test_boxes_by_lanes(packet, node, begin, lanes, any, search, of);
+    }
+    return met;
+}
+
+MLRT_INLINE struct pending_lanes child_met(const struct mlrt_bvh_node *node, const struct boxes_met *of, uint32_t place)
+{
+    return (struct pending_lanes){of->near[place], node->child[place], of->lanes_of[place]};
+}
+
+/* Puts two children on the stack, the nearer on top. With `any`, leaves count as nearest. */
+MLRT_INLINE void push_two(const struct mlrt_bvh_node *node, const struct boxes_met *of, uint32_t met, int any,
+                          struct pending_lanes *top)
+{
+    const uint32_t a = mlrt_lowest_bit(met), b = mlrt_lowest_bit(met & (met - 1));
+    const float near_a = any && mlrt_bvh_quad_count(node->child[a]) ? -INFINITY : of->near[a];
+    const float near_b = any && mlrt_bvh_quad_count(node->child[b]) ? -INFINITY : of->near[b];
+    const int is_a_nearer = near_a < near_b;
+    top[is_a_nearer] = child_met(node, of, a);
+    top[!is_a_nearer] = child_met(node, of, b);
+}
+
+/*
+ * Puts children on the stack in order. The place of each is the number of those that are farther, or the next one that
+ * is free: no branch depends on distances, which are no NaNs. With `any`, leaves count as nearest.
+ */
+MLRT_INLINE void push_several(const struct mlrt_bvh_node *node, const struct boxes_met *of, uint32_t met, int any,
+                              struct pending_lanes *top)
+{
+    uint32_t leaves = 0, taken = 0;
+    for (uint32_t left = any ? met : 0; left; left &= left - 1) {
+        leaves |= mlrt_bvh_quad_count(node->child[mlrt_lowest_bit(left)]) ? left & (0u - left) : 0;
+    }
+    for (uint32_t left = met; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        uint32_t farther = 0;
+        for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
+            farther |= m_bits(v_gt(v_load(of->near + v), v_set1(of->near[place]))) << v;
+        }
+        const uint32_t below = leaves >> place & 1 ? met & ~leaves : met & ~leaves & farther;
+        const uint32_t at = mlrt_lowest_bit(~taken & (~0u << mlrt_count_bits(below)));
+        taken |= 1u << at;
+        top[at] = child_met(node, of, place);
+    }
+}
+
+/*
+ * Puts the children of a node that lanes may meet on the stack, the nearest on top. Where any hit will do, leaves are
+ * on top, then the boxes in which a lane is longest.
+ */
+MLRT_INLINE void push_lanes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t lanes, int any,
+                            struct lanes_search *search)
+{
+    const uint32_t lane_count = mlrt_count_bits(lanes);
+    struct pending_lanes *top = &search->stack[search->count];
+    struct boxes_met of;
+    uint32_t boxes = 0xFFFF;
+    if (lane_count > FEW_FOR_HULL && search->hull.is_narrow) {
+        boxes = boxes_of_lanes(search, node,
+                               any ? search->hull.farthest : finite_limit(highest(packet->nearest.hi, lanes)));
+    }
+    const uint32_t met = lane_count <= mlrt_count_bits(boxes)
+                             ? meet_by_lanes(packet, node, lanes, any, search, &of)
+                             : meet_by_boxes(packet, node, boxes, lanes, any, search, &of);
+    const uint32_t met_count = mlrt_count_bits(met);
+    search->count += met_count;
+    if (met_count > 2) {
+        push_several(node, &of, met, any, top);
+    } else if (met_count == 2) {
+        push_two(node, &of, met, any, top);
+    } else if (met) {
+        *top = child_met(node, &of, mlrt_lowest_bit(met));
+    }
+}
+
+#endif
