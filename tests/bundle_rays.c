@@ -330,7 +330,8 @@ static void add_apex_behind(struct ray_list *list, struct random *random, const 
 {
     const struct frame frame = draw_frame(random, fixture);
     const uint32_t kind = draw_below(random, 4), axis = draw_below(random, 3);
-    const double start = ldexp(1 + draw_unit(random), -(int)draw_below(random, 10));
+    const int halvings = (int)draw_below(random, 10);
+    const double start = ldexp(1 + draw_unit(random), -halvings);
     float plane[3];
     draw_vertex(random, fixture, plane);
     for (size_t i = 0; i < shape.count; i++) {

@@ -175,7 +175,8 @@ static float draw_sign(struct random *random)
 /* Of a random magnitude between 2^lo and 2^hi, positive. */
 static float draw_magnitude(struct random *random, int lo, int hi)
 {
-    return ldexpf(draw_range(random, 1, 2), lo + (int)draw_below(random, (uint32_t)(hi - lo)));
+    const int exponent = lo + (int)draw_below(random, (uint32_t)(hi - lo));
+    return ldexpf(draw_range(random, 1, 2), exponent);
 }
 
 /* A few bits, or all that a float has. */
@@ -383,7 +384,8 @@ static void add_edge_touch(struct beam_case *the, const struct limb *limb, const
         a[k] = (float)((double)p[k] - (double)across[k] - (double)lean * ((double)p[k] - (double)o[k]));
         b[k] = (float)(2 * (double)p[k] - (double)a[k]);
     }
-    step_outward(limb, draw_magnitude(random, -20, 1), draw_range(random, -1, 1), p, c);
+    const float aside = draw_range(random, -1, 1);
+    step_outward(limb, draw_magnitude(random, -20, 1), aside, p, c);
     soup_add_triangle(&the->soup, a, b, c);
 }
 
@@ -392,7 +394,8 @@ static void add_box_touch(struct beam_case *the, const struct limb *limb, const 
 {
     struct random *random = &the->random;
     float lo[3], hi[3], q[3];
-    step_outward(limb, draw_magnitude(random, -10, 1), draw_sign(random) * draw_magnitude(random, -10, 1), p, q);
+    const float sign = draw_sign(random), aside = sign * draw_magnitude(random, -10, 1);
+    step_outward(limb, draw_magnitude(random, -10, 1), aside, p, q);
     q[limb->main_axis] += draw_range(random, -0.75f, 1) * p[limb->main_axis];
     const uint32_t flat = draw_below(random, 9); /* of no thickness, at times */
     if (flat < 3) q[flat] = p[flat];
@@ -501,7 +504,8 @@ static void add_tight_cover(struct beam_case *the, int main_axis, const float ex
         a[k] = (float)((double)p[k] - (double)across[k]);
         b[k] = (float)(2 * (double)p[k] - (double)a[k]);
     }
-    step_outward(&limb, -draw_magnitude(random, 1, 4), draw_range(random, -1, 1), p, c);
+    const float aside = draw_range(random, -1, 1);
+    step_outward(&limb, -draw_magnitude(random, 1, 4), aside, p, c);
     if (draw_below(random, 4) == 0) nudge(random, a);
     if (draw_below(random, 2))
         soup_add_triangle(&the->soup, a, b, c);

@@ -151,8 +151,8 @@ static mlrt_camera draw_camera(struct random *random)
 
     /* Slopes of the first ray, and from one end to the other. */
     const int is_plain = draw_below(random, 3) == 0, is_narrow = draw_below(random, 3) == 0;
-    const float field =
-        ldexpf(draw_range(random, 1, 2), is_narrow ? -(int)draw_below(random, 22) : -2 + (int)draw_below(random, 4));
+    const int exponent = is_narrow ? -(int)draw_below(random, 22) : -2 + (int)draw_below(random, 4);
+    const float field = ldexpf(draw_range(random, 1, 2), exponent);
     const float ratio = draw_below(random, 3) ? 1 : ldexpf(1, draw_exponent(random, 14));
     float dx[3] = {field / (float)camera.crop_width, 0, 0}, dy[3] = {0, field / (float)camera.crop_height, 0};
     float start[3] = {draw_range(random, -1, 0) * field, draw_range(random, -1, 0) * field, 1};
@@ -350,8 +350,10 @@ static void check_hostile_picture(uint64_t seed)
         case 5:
             add_needles(&soup, &random);
             break;
-        default:
-            soup_add_random(&soup, &random, 1 + draw_below(&random, 60), 4, draw_range(&random, 0.05f, 8));
+        default: {
+            const float extent = draw_range(&random, 0.05f, 8);
+            soup_add_random(&soup, &random, 1 + draw_below(&random, 60), 4, extent);
+        }
         }
     }
     /* The eye elsewhere: in a plane, at a corner, anywhere. */
@@ -373,7 +375,8 @@ static void check_hostile_picture(uint64_t seed)
     for (int k = 0; k < 3; k++) camera.eye[k] = (camera.eye[k] + offset[k]) * size;
     /* Mostly without limits: with them there are no cells before there are rays. */
     if (draw_below(&random, 8) == 0) {
-        camera.t_min = ldexpf(draw_range(&random, 0, 1), draw_exponent(&random, 4)) * size * scale;
+        const int exponent = draw_exponent(&random, 4);
+        camera.t_min = ldexpf(draw_range(&random, 0, 1), exponent) * size * scale;
         if (!isfinite(camera.t_min)) camera.t_min = 0;
         if (draw_below(&random, 2)) camera.t_max = camera.t_min * draw_range(&random, 0.9f, 4);
     }

@@ -265,7 +265,8 @@ static void begins_behind_all_boxes(void **state)
         struct soup soup = {0};
         struct ray_list list = {0};
         const int axis = (int)draw_below(&random, 3);
-        const float far = ldexpf(draw_range(&random, 0.5f, 1), 60 + (int)draw_below(&random, 60));
+        const int exponent = 60 + (int)draw_below(&random, 60);
+        const float far = ldexpf(draw_range(&random, 0.5f, 1), exponent);
         float corner[3][3] = {{-far, -far, far}, {far, -far, far}, {0, far, far}};
         for (int i = 0; i < 3; i++) {
             const float z = corner[i][2];
@@ -284,9 +285,11 @@ static void begins_behind_all_boxes(void **state)
             const int e = ilogbf(far) - 120 - (int)draw_below(&random, 16);
             for (int k = 0; k < 3; k++) direction[k] = ldexpf(direction[k], e);
             struct reference_ray *ray = add_ray(&list, origin, direction);
-            ray->t_min = draw_below(&random, 4)
-                             ? ldexpf(draw_range(&random, 0.9f, 1), 124 + (int)draw_below(&random, 5))
-                             : FLT_MAX;
+            ray->t_min = FLT_MAX;
+            if (draw_below(&random, 4)) {
+                const int power = 124 + (int)draw_below(&random, 5);
+                ray->t_min = ldexpf(draw_range(&random, 0.9f, 1), power);
+            }
             if (draw_below(&random, 3) == 0) ray->t_max = ldexpf(draw_range(&random, 0.5f, 1), 128);
         }
         finish(&fixture, &list);

@@ -697,6 +697,43 @@ static void a_build_that_ends_stays_within_its_memory(void **state)
     free_soup(&soup);
 }
 
+/* Blocks of exactly the size that was asked for, so that the address sanitizer sees what is read behind them. */
+static void *take_exact(void *user, size_t size, size_t alignment)
+{
+    void *block;
+    (void)user;
+    return posix_memalign(&block, alignment, size) ? NULL : block;
+}
+
+static void give_exact(void *user, void *block, size_t size, size_t alignment)
+{
+    (void)user, (void)size, (void)alignment;
+    free(block);
+}
+
+/* It has no ids to look for. */
+static void a_tree_without_meshes_has_only_misses(void **state)
+{
+    struct scene *scene = *state;
+    const mlrt_host host = {.struct_size = sizeof host, .allocate = take_exact, .free = give_exact};
+    const mlrt_tree_options boxes = {.struct_size = sizeof boxes, .host = &host};
+    const mlrt_kdtree_options cells = {.struct_size = sizeof cells, .host = &host};
+    mlrt_tree *trees[2];
+    assert_int_equal(mlrt_build_tree(NULL, 0, &boxes, &trees[0]), MLRT_OK);
+    assert_int_equal(mlrt_build_kdtree(NULL, 0, &cells, &trees[1]), MLRT_OK);
+    for (int i = 0; i < 2; i++) {
+        const mlrt_rays rays = {.struct_size = sizeof rays,
+                                .count = RAYS,
+                                .origins = {scene->origins, 0},
+                                .directions = {scene->directions, 0}};
+        uint32_t meshes[RAYS];
+        const mlrt_hits hits = {.struct_size = sizeof hits, .mesh = {.data = meshes}, .triangle = {.data = scene->ids}};
+        assert_int_equal(mlrt_trace_packet(trees[i], &rays, NULL, &hits), MLRT_OK);
+        for (int ray = 0; ray < RAYS; ray++) assert_true(meshes[ray] == MLRT_NONE && scene->ids[ray] == MLRT_NONE);
+        mlrt_destroy_tree(trees[i]);
+    }
+}
+
 static uint64_t tree_hash(const struct scene *scene, mlrt_pool *pool)
 {
     const mlrt_tree_options options = {.struct_size = sizeof options, .pool = pool};
@@ -1102,6 +1139,7 @@ int main(void)
         cmocka_unit_test(progress_of_no_rays_ends_at_one),
         cmocka_unit_test(calls_end_when_told_to),
         cmocka_unit_test(a_build_that_ends_stays_within_its_memory),
+        cmocka_unit_test(a_tree_without_meshes_has_only_misses),
         cmocka_unit_test(one_thread_looks_up_from_large_sets),
         cmocka_unit_test(tasks_do_the_work_however_they_run),
         cmocka_unit_test(calls_within_jobs),

@@ -262,7 +262,8 @@ static float draw_sign(struct random *random)
 /* A triangle around what the middle of a cell sees: large or small, or a sliver; square to the ray, or oblique. */
 static void draw_cover(struct random *random, const float eye[3], const float d[3], float corners[9], float normal[3])
 {
-    const float depth = ldexpf(draw_range(random, 1, 2), (int)draw_below(random, 12) - 6);
+    const int power = (int)draw_below(random, 12) - 6;
+    const float depth = ldexpf(draw_range(random, 1, 2), power);
     const float width = ldexpf(depth, (int)draw_below(random, 12) - 5);
     const float height = draw_below(random, 3) ? width : ldexpf(width, -(int)draw_below(random, 14));
     float u[3], v[3];
@@ -272,7 +273,10 @@ static void draw_cover(struct random *random, const float eye[3], const float d[
         const float lift = ldexpf(1, -(int)draw_below(random, 8)); /* grazing: nearly along the ray */
         for (int k = 0; k < 3; ++k) u[k] = d[k] + lift * u[k];
     }
-    if (!draw_below(random, 3)) u[draw_below(random, 3)] = v[draw_below(random, 3)] = 0;
+    if (!draw_below(random, 3)) {
+        v[draw_below(random, 3)] = 0;
+        u[draw_below(random, 3)] = 0;
+    }
     for (int k = 0; k < 3; ++k) {
         const float hit = eye[k] + depth * d[k];
         corners[k] = hit - width * u[k] - height * v[k];
@@ -306,7 +310,8 @@ static void draw_input(struct random *random, const struct bound *bound, float *
     }
     draw_point(random, -1, 1, input + EYE);
     draw_cover(random, input + EYE, d, input, normal);
-    const float far = ldexpf(draw_range(random, 1, 2), (int)draw_below(random, 16) - 8);
+    const int power = (int)draw_below(random, 16) - 8;
+    const float far = ldexpf(draw_range(random, 1, 2), power);
     const float near = ldexpf(1, (int)draw_below(random, 12) - 6) * (draw_below(random, 8) ? 1.0f : -1.0f);
     draw_point(random, -far, far, input + LIGHT);
     for (int k = 0; k < 3; ++k) {

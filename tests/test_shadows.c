@@ -412,6 +412,13 @@ static void point_at_plane(struct random *random, const struct reference_triangl
     }
 }
 
+/* A point light at this height, anywhere in a square around 0. */
+static mlrt_light draw_light_at(struct random *random, float extent, float height)
+{
+    const float y = draw_range(random, -extent, extent);
+    return light_at(draw_range(random, -extent, extent), y, height);
+}
+
 /* A light of any kind for a scene of about this extent around 0. */
 static mlrt_light draw_light(struct random *random, const struct picture *picture, float extent)
 {
@@ -455,7 +462,8 @@ static mlrt_light draw_light(struct random *random, const struct picture *pictur
         draw_point(random, -1e6f * extent, 1e6f * extent, p);
         break;
     case 11: // along an axis, with zeros of both signs
-        light = light_from(draw_below(random, 2) ? -0.0f : 0.0f, draw_below(random, 2) ? -0.0f : 0.0f, 0.0f);
+        light = light_from(0, 0, 0);
+        for (int k = 1; k >= 0; k--) p[k] = draw_below(random, 2) ? -0.0f : 0.0f;
         p[axis] = draw_below(random, 2) ? -1.0f : 1.0f;
         break;
     case 12: // in the plane of a triangle, or nearly
@@ -586,7 +594,8 @@ static void random_triangles(void **state)
         struct random random = {seed};
         struct soup soup = {0};
         float eye[3], target[3];
-        soup_add_random(&soup, &random, 20 + draw_below(&random, 200), 2, draw_range(&random, 0.1f, 1.5f));
+        const float extent = draw_range(&random, 0.1f, 1.5f);
+        soup_add_random(&soup, &random, 20 + draw_below(&random, 200), 2, extent);
         struct fixture fixture = fixture_of_soup("random triangles", seed, &soup);
         draw_point(&random, -4, 4, eye);
         draw_point(&random, -1, 1, target);
@@ -766,9 +775,10 @@ static void sheets_some_floats_above_the_wall(void **state)
         const mlrt_camera camera = look_at(eye, target, 1.5f, 70, 66);
         struct picture picture = make_picture(&fixture, &camera);
         picture.light_count = 3;
-        picture.lights[0] = light_at(draw_range(&random, -3, 3), draw_range(&random, -3, 3), height + 2);
-        picture.lights[1] = light_from(draw_range(&random, -3, 3), draw_range(&random, -3, 3), 2);
-        picture.lights[2] = light_at(draw_range(&random, -3, 3), draw_range(&random, -3, 3), height + 1e-4f);
+        picture.lights[0] = draw_light_at(&random, 3, height + 2);
+        picture.lights[1] = draw_light_at(&random, 3, 2);
+        picture.lights[1].kind = MLRT_LIGHT_DIRECTIONAL;
+        picture.lights[2] = draw_light_at(&random, 3, height + 1e-4f);
         check_picture(&picture, &random);
         free_fixture(&fixture);
     }
@@ -792,8 +802,7 @@ static void lights_close_above_a_wall(void **state)
         picture.light_count = 8;
         for (uint32_t k = 0; k < 8; k++) {
             const float reach = draw_below(&random, 2) ? 0.5f : 5; // above what is seen, or beside it
-            picture.lights[k] =
-                light_at(draw_range(&random, -reach, reach), draw_range(&random, -reach, reach), heights[k]);
+            picture.lights[k] = draw_light_at(&random, reach, heights[k]);
             if (draw_below(&random, 4) == 0) picture.lights[k].position[2] = -heights[k];
             if (draw_below(&random, 3) == 0) picture.lights[k].kind = MLRT_LIGHT_DIRECTIONAL;
             tilt_point(turn, picture.lights[k].position);
@@ -916,7 +925,8 @@ static void walls_that_are_there_again_floats_aside(void **state)
         const mlrt_camera camera = look_at(eye, target, draw_range(&random, 0.4f, 1.2f), 90, 70);
         struct picture picture = make_picture(&fixture, &camera);
         draw_lights(&random, &picture, 4);
-        picture.lights[0] = light_at(draw_range(&random, -3, 3), draw_range(&random, -3, 3), draw_range(&random, 2, 6));
+        const float above = draw_range(&random, 2, 6);
+        picture.lights[0] = draw_light_at(&random, 3, above);
         if (seed % 3) tilt_point(turn, picture.lights[0].position);
         check_picture(&picture, &random);
         free_fixture(&fixture);
@@ -1085,7 +1095,8 @@ static void check_hairs(uint64_t seed, uint32_t width, uint32_t height)
     struct picture plain = make_picture(&bare, &camera);
     plain.light_count = 1 + draw_below(&random, 3);
     for (uint32_t k = 0; k < plain.light_count; k++) {
-        plain.lights[k] = light_at(draw_range(&random, -4, 4), draw_range(&random, -4, 4), draw_range(&random, 3, 8));
+        const float above = draw_range(&random, 3, 8);
+        plain.lights[k] = draw_light_at(&random, 4, above);
         if (draw_below(&random, 3) == 0) {
             for (int n = 0; n < 3; n++) plain.lights[k].position[n] /= 4;
             plain.lights[k].kind = MLRT_LIGHT_DIRECTIONAL;

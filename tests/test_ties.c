@@ -410,7 +410,8 @@ static void rays_nearly_in_a_plane(void **state)
             const int i = (k + 1) % 3, j = (k + 2) % 3;
             normal[k] = (corner[1][i] * corner[2][j] - corner[1][j] * corner[2][i]) * 0x1p-12f;
         }
-        const float height = ldexpf(draw_below(&random, 2) ? 1 : -1, -18 - (int)draw_below(&random, 8));
+        const int exponent = -18 - (int)draw_below(&random, 8);
+        const float height = ldexpf(draw_below(&random, 2) ? 1 : -1, exponent);
         for (int k = 0; k < 3; k++) eye[k] = corner[0][k] + 0x1p-11f * corner[1][k] + height * normal[k];
         struct fixture fixture = fixture_of_soup("nearly in a plane", 11, &soup);
         for (int r = 0; r < 64; r++) {

@@ -46,6 +46,12 @@ static int32_t take_options(const void *given, const struct mlrt_structure *stru
 
 /* ---- building ---- */
 
+static mlrt_pool *pool_of(const struct call *call)
+{
+    const int is_kdtree = call->structure->builder.options_form == MLRT_STRUCT_KDTREE_OPTIONS;
+    return is_kdtree ? call->options.kdtree.pool : call->options.tree.pool;
+}
+
 static int32_t fill_tree(const mlrt_mesh *meshes, size_t mesh_count, const struct call *call, struct mlrt_tree *tree)
 {
     struct mlrt_progress progress;
@@ -53,9 +59,7 @@ static int32_t fill_tree(const mlrt_mesh *meshes, size_t mesh_count, const struc
     if (status != MLRT_OK) return status;
     const double work = MLRT_COPY_WORK + (double)tree->structure->builder.work;
     mlrt_begin_progress(&call->voice.host, work * tree->triangle_count, &progress);
-    const int has_pool = tree->structure->builder.options_form == MLRT_STRUCT_TREE_OPTIONS;
-    mlrt_pool *pool = has_pool ? call->options.tree.pool : NULL;
-    status = mlrt_copy_meshes(meshes, mesh_count, pool, &progress, tree);
+    status = mlrt_copy_meshes(meshes, mesh_count, pool_of(call), &progress, tree);
     if (status == MLRT_OK) status = tree->structure->builder.build(tree, &call->options, &progress);
     return mlrt_end_progress(&progress, status);
 }
@@ -74,13 +78,16 @@ static void log_result(const struct mlrt_voice *voice, const mlrt_tree_info *inf
 }
 
 /* Writes the message of an error that has none yet. */
-static int32_t note_failure(const struct call *call, const struct mlrt_memory *memory, int32_t status)
+static void note_failure(const struct call *call, const struct mlrt_memory *memory, int32_t status)
 {
-    const uint64_t limit = call->options.tree.memory_limit;
-    if (status == MLRT_ERROR_CANCELLED) return mlrt_fail(status, "stopped by the host");
-    if (status != MLRT_ERROR_OUT_OF_MEMORY) return status;
-    if (!limit) return mlrt_note_status(status);
-    return mlrt_fail(status, "out of memory: %.0f bytes held, limit %.0f", (double)memory->held_size, (double)limit);
+    const double limit = (double)call->options.tree.memory_limit, held = (double)memory->held_size;
+    if (status == MLRT_ERROR_CANCELLED) {
+        (void)mlrt_fail(status, "stopped by the host");
+    } else if (status == MLRT_ERROR_OUT_OF_MEMORY && limit > 0) {
+        (void)mlrt_fail(status, "out of memory: %.0f bytes held, limit %.0f", held, limit);
+    } else if (status == MLRT_ERROR_OUT_OF_MEMORY) {
+        (void)mlrt_note_status(status);
+    }
 }
 
 static MLRT_NOINLINE int32_t build_tree(const mlrt_mesh *meshes, size_t mesh_count, const struct call *call,
@@ -91,7 +98,7 @@ static MLRT_NOINLINE int32_t build_tree(const mlrt_mesh *meshes, size_t mesh_cou
     struct mlrt_tree *made = mlrt_allocate_tree(call->structure, &memory);
     const int32_t status = made ? fill_tree(meshes, mesh_count, call, made) : MLRT_ERROR_OUT_OF_MEMORY;
     if (status != MLRT_OK) {
-        (void)note_failure(call, made ? &made->memory : &memory, status);
+        note_failure(call, made ? &made->memory : &memory, status);
         mlrt_destroy_tree(made);
         return status;
     }

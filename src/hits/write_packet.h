@@ -12,6 +12,7 @@
 #include "job/job.h"
 #include "rays/rectangle.h"
 #include "simd/simd.h"
+#include "simd/sixteen.h"
 
 /*
  * Sets the ids of the lanes that hit a triangle of mesh `mesh` (a position), and returns these lanes. Other lanes get
@@ -34,11 +35,17 @@ MLRT_INLINE uint32_t find_ids_in_mesh(const struct mlrt_tree *tree, uint32_t mes
 }
 
 /*
- * Sets the ids of the lanes `hit`, mesh by mesh. The mesh that was hit last comes first, as neighbours mostly hit it.
+ * Sets the ids of the lanes `hit`, mesh by mesh, and of a miss in the others. The mesh that was hit last comes first, as
+ * neighbours mostly hit it. A tree may have no mesh, and then no lane has a hit.
  */
 MLRT_INLINE void find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                                  uint32_t *last_mesh, struct mlrt_packet_values *values)
 {
+    if (MLRT_UNLIKELY(!hit)) {
+        mlrt_fill_words(values->mesh, MLRT_NONE);
+        mlrt_fill_words(values->triangle, MLRT_NONE);
+        return;
+    }
     uint32_t left = hit & ~find_ids_in_mesh(tree, *last_mesh, packet, 1, values);
     while (MLRT_UNLIKELY(left)) {
         *last_mesh = mlrt_mesh_of_triangle(tree, packet->nearest.triangle[mlrt_lowest_bit(left)]);
