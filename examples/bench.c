@@ -13,8 +13,8 @@
  * The kinds of rays are those of bench/task.h, the rules those of bench/contest.h and bench/peer.h. The table has
  * millions of rays per second in the fastest run (of pictures, lit ones too, millions of pixels), the fastest way to
  * call Embree, ratios, and the number of the library's answers that differ from Embree robust. Those are no errors:
- * where two triangles are equally near, either may be named. If both `frame` and `lit` were measured, a line `lit-frame`
- * has the speed of the shadows alone: pixels by the difference of the two times, for each contender.
+ * where two triangles are equally near, either may be named. If both `frame` and `lit` were measured, a line
+ * `lit-frame` has the speed of the shadows alone: pixels by the difference of the two times, for each contender.
  *
  * Exit codes: 0, 1 if something failed or answers are wrong, 2 for a mistake on the command line.
  */

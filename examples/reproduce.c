@@ -67,7 +67,8 @@ enum {
 };
 
 // What is left of the multi-level method without these shortcuts is the paper's algorithm, or that with entry lists.
-// Set-ups of triangles stay shared, here and in method packet4, as the paper's packets share what it computes in advance.
+// Set-ups of triangles stay shared, here and in method packet4, as the paper's packets share what it computes in
+// advance.
 enum { PAPER = MLRT_SHORTCUT_WHOLE_TILES | MLRT_SHORTCUT_ENTRY_LISTS, ENTRY_LISTS_ONLY = MLRT_SHORTCUT_WHOLE_TILES };
 
 enum { PLAIN, SHADED, SHADING_COUNT };

@@ -44,17 +44,17 @@
  *
  * Numbers. Lengths are in the units of the mesh, t in units of the length of d, which may be any finite length.
  * Denormals are numbers like others, not 0. A call may be made in any floating-point environment (rounding,
- * flush-to-zero, exception masks): it sets the one that it needs, and restores the caller's. Like any arithmetic, it may
- * raise exception flags; it lowers none.
+ * flush-to-zero, exception masks): it sets the one that it needs, and restores the caller's. Like any arithmetic, it
+ * may raise exception flags; it lowers none.
  *
  * Structs start with `struct_size`, which the caller sets to the struct's sizeof; the rest zero means default. Later
  * versions append fields, in multiples of 4 bytes, and never change the meaning or the place of a field that is here.
  * So header and library may be of different versions. A field that the caller's struct is too short for counts as 0; if
  * it is a result, it is not written. A field that the library does not know must be 0; if the struct is for results,
  * the library sets it to 0. MLRT_ERROR_STRUCT_SIZE is the answer if such a field is not 0, or if no version has a
- * struct of that size (it is less than in version 0.1, for example, or far more than the library's). In an array of
- * structs all have the struct_size of the first. mlrt_array and mlrt_const_array have no struct_size and never grow. In
- * mlrt_tile the library sets it.
+ * struct of that size (it ends before its first fields, for example, or is far larger than the library's). In an array
+ * of structs all have the struct_size of the first. mlrt_array and mlrt_const_array have no struct_size and never grow.
+ * In mlrt_tile the library sets it.
  *
  * Arrays are a pointer and a byte stride. Stride 0 means packed; MLRT_STRIDE_ALL means that one element serves all rays
  * (only in input arrays of rays and points). Addresses and strides must be multiples of 4 (of 2 for 2-byte indices, of
@@ -603,8 +603,8 @@ enum {
  * have is MLRT_ERROR_UNSUPPORTED.
  *
  * Method tile uses the one that is asked for. Methods packet4 and multilevel have AVX2 in place of AVX-512. Method
- * packet2, and calls with counters, use the narrowest one of the build, whichever is asked for: SSE2, NEON, or plain C in
- * builds with neither. Method ray is plain C.
+ * packet2, and calls with counters, use the narrowest one of the build, whichever is asked for: SSE2, NEON, or plain C
+ * in builds with neither. Method ray is plain C.
  */
 enum {
     MLRT_ISA_AUTO = 0,   /* the best that this machine has */
@@ -1035,10 +1035,10 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
  * point that it shows. This is much faster than mlrt_occluded_points, as no points have to leave the library. If the
  * ray o + t d of a pixel hits a triangle abc, bit k of `occluded` is 1 where light k does not reach the hit:
  *
- *   - A light does not reach it unless it is strictly on that side of abc's plane from which the ray came (a directional
- *     light: unless its direction points strictly to that side). A light also counts as one on the other side if the
- *     ray below would leave the range of float: if d' (point light) or o' (directional light) would have a component
- *     beyond the greatest float.
+ *   - A light does not reach it unless it is strictly on that side of abc's plane from which the ray came (a
+ *     directional light: unless its direction points strictly to that side). A light also counts as one on the other
+ *     side if the ray below would leave the range of float: if d' (point light) or o' (directional light) would have a
+ *     component beyond the greatest float.
  *   - Otherwise a ray decides: for a point light at L, from o' = L along d' for 0 < t <= 1; for a directional light,
  *     from o' along d' = position for 0 < t. Its end L + d', or its origin o', is a point just off the hit, surely on
  *     the side from which the picture's ray came. It is moved off by about 2^-22 of the greatest coordinate relative to

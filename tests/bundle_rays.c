@@ -600,8 +600,8 @@ static void add_reflections(struct ray_list *list, struct random *random, const 
 }
 
 /*
- * Sixteen rays from each of the points that are seen, to the side that they are seen from. Those of some points have one
- * direction, and all of them end at a vertex's plane across an axis, or a float beside it.
+ * Sixteen rays from each of the points that are seen, to the side that they are seen from. Those of some points have
+ * one direction, and all of them end at a vertex's plane across an axis, or a float beside it.
  */
 static void add_hemispheres(struct ray_list *list, struct random *random, const struct fixture *fixture,
                             struct bundle_shape shape)

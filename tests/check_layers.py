@@ -7,7 +7,8 @@ Reads every #include of src and fails if
   - files include each other in a circle;
   - a file that is not compiled once per instruction set includes text that is (UNITS);
   - a header does not compile alone, as it is found: with what it includes, and nothing before it;
-  - a struct has more members than anyone keeps in mind (MEMBERS), and no parts.
+  - a struct has more members than anyone keeps in mind (MEMBERS), and no parts;
+  - a line is wider than COLUMNS, as comments can be, which the formatter leaves as they are.
 """
 import os
 import re
@@ -30,6 +31,7 @@ LAYERS = [
 ]
 
 MEMBERS = 12
+COLUMNS = 120
 
 # What is compiled once per instruction set; what includes CHOSEN is text for them.
 UNITS = ["isa/scalar.c", "isa/neon.c", "isa/sse.c", "isa/avx2.c", "isa/avx512.c"]
@@ -140,6 +142,15 @@ def find_crowds(includes):
                 yield f"{file}: {begin.group(1) or 'a struct'} has {members} members, more than {MEMBERS}"
 
 
+def find_wide_lines(includes):
+    """Lines of too many columns."""
+    for file in includes:
+        with open(os.path.join(SOURCE, file), encoding="utf-8") as text:
+            for number, line in enumerate(text, 1):
+                if len(line.rstrip("\n")) > COLUMNS:
+                    yield f"{file}:{number}: {len(line) - 1} columns, more than {COLUMNS}"
+
+
 def compile_alone(header, compiler):
     """The compiler's first words, or none."""
     flags = FLAGS.get(header, [])
@@ -159,7 +170,7 @@ def main():
     wrong = list(find_strays(includes))
     wrong += [f"arrow upward: {arrow}" for arrow in find_arrows(includes)]
     wrong += ["circle: " + " -> ".join(circle) for circle in find_circles(includes)]
-    wrong += list(find_leaks(includes)) + list(find_crowds(includes))
+    wrong += list(find_leaks(includes)) + list(find_crowds(includes)) + list(find_wide_lines(includes))
     headers = [file for file in includes if file.endswith(".h")]
     for header in headers:
         words = compile_alone(header, compiler)

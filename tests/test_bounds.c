@@ -737,7 +737,9 @@ static double attack_single_t(const float *input)
     return worst;
 }
 
-/* Where lanes of one origin take a plane to be out of reach of a ray: the error of T |D| - |N|, for the greatest end T. */
+/*
+ * Where lanes of one origin take a plane to be out of reach of a ray: the error of T |D| - |N|, for the greatest end T.
+ */
 static double attack_single_reach(const float *input)
 {
     static struct lanes_search search;

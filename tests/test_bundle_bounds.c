@@ -254,8 +254,10 @@ static void one_waist_has_many_slopes(void **state)
 
 /* ---- searches ---------------------------------------------------------------------------------------------------- */
 
-/* Inputs: three corners, the waist, a number whose sign says whether products are fused, and one or two rays: origin and
- * direction. */
+/*
+ * Inputs: three corners, the waist, a number whose sign says whether products are fused, and one or two rays: origin
+ * and direction.
+ */
 enum { WAIST = 9, FUSED = 12, RAY = 13, RAY_INPUTS = 6, INPUT_COUNT = 19, INPUT_COUNT_OF_TWO = 25 };
 #define ORIGIN(ray)         (RAY + RAY_INPUTS * (ray))
 #define DIRECTION(ray)      (ORIGIN(ray) + 3)
@@ -476,8 +478,10 @@ static void find_n(int ray)
     find_dot(&seen);
 }
 
-/* 1 = the ray passes inside the triangle's edges and hits it, 0 = at an edge, -1 = it misses. With `line` it goes on before
- * its origin, too. */
+/*
+ * 1 = the ray passes inside the triangle's edges and hits it, 0 = at an edge, -1 = it misses. With `line` it goes on
+ * before its origin, too.
+ */
 static int find_hit(int ray, int is_line)
 {
     int sign[3];
@@ -1206,8 +1210,10 @@ static void find_plane_in_double(const float *corners, double plane[4])
     plane[3] = to[0] * plane[0] + to[1] * plane[1] + to[2] * plane[2];
 }
 
-/* S of plane_order.c, as it is computed there: F is divided by that, and the sign of what is left is all that matters. S itself
- * may differ from it by 378 u, of which the bound of F / S knows nothing where G is large. */
+/*
+ * S of plane_order.c, as it is computed there: F is divided by that, and the sign of what is left is all that matters.
+ * S itself may differ from it by 378 u, of which the bound of F / S knows nothing where G is large.
+ */
 static double size_of_line(const float *first, const float *second)
 {
     double p[4], q[4], size = 0, length = 0;
@@ -1416,7 +1422,10 @@ static void find_least_of_box(const struct mlrt_box *box, double sign)
     }
 }
 
-/* By how much a box is nearer to its side of a plane than it is computed to be. What is said must be true of all points. */
+/*
+ * By how much a box is nearer to its side of a plane than it is computed to be. What is said must be true of all
+ * points.
+ */
 static double attack_ends(const float *input)
 {
     static float numbers[INPUT_LIMIT], ends[END_COUNT][3];

@@ -1021,7 +1021,7 @@ static void items_that_take_long_look_up(void **state)
     mlrt_destroy_tree(tree);
 }
 
-/* ---- whose message is it? ------------------------------------------------------------------------------------------ */
+/* ---- whose message is it? -------------------------------------------------------------------------------------- */
 
 static void *run_with_message(void *argument)
 {

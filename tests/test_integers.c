@@ -404,7 +404,9 @@ static double quotient_of(const mpz_t x, const mpz_t divisor)
     return ldexp(fabs(size / of), (int)(x_exponent - exponent));
 }
 
-/* One of the two floats next to the quotient, unless that is negative, which no hit has. test_predicate.c knows which. */
+/*
+ * One of the two floats next to the quotient, unless that is negative, which no hit has. test_predicate.c knows which.
+ */
 static int is_close_quotient(float q, const mpz_t x)
 {
     const double quotient = quotient_of(x, d[0]);

@@ -90,7 +90,7 @@ static struct setting {
     mlrt_camera camera;
     mlrt_light light, lights[2];
     mlrt_points points;
-    mlrt_array vectors, occluded;
+    mlrt_array vectors, dark;
     mlrt_tree_info info;
     mlrt_memory_estimate estimate;
     int32_t faces;
@@ -179,7 +179,7 @@ static void expect(int32_t status, const char *text, int32_t got, int line)
 #define ALL                          mlrt_trace_all_hits(now.tree, &now.rays, &now.options, &now.lists)
 #define RENDER                       mlrt_render_tiles(now.tree, &now.camera, &now.options, &now.hits, NULL, NULL)
 #define WRITE_RAYS                   mlrt_camera_rays(&now.camera, &now.vectors, NULL)
-#define POINTS                       mlrt_occluded_points(now.tree, &now.points, &now.light, &now.options, &now.occluded)
+#define POINTS                       mlrt_occluded_points(now.tree, &now.points, &now.light, &now.options, &now.dark)
 #define SHADOW                       mlrt_shadow_ray(now.tree, &now.ray, &now.hit, &now.light, &now.shadow, &now.faces)
 #define POOL                         mlrt_create_pool_with_options(&now.pool_options, &now.pool)
 #define LOAD(size)                   mlrt_load_tree(bytes, size, &now.load, &now.made)
@@ -236,7 +236,7 @@ static void set_up(void)
     now.light = light_at(0, 0, -5);
     now.lights[0] = now.lights[1] = now.light;
     now.points = (mlrt_points){.struct_size = sizeof now.points, .count = 4, .positions = {numbers, 0}};
-    now.occluded.data = bytes;
+    now.dark.data = bytes;
     now.vectors.data = numbers;
     now.info.struct_size = sizeof now.info;
     now.estimate.struct_size = sizeof now.estimate;
@@ -260,9 +260,9 @@ static void check_null(void)
     WITHOUT("tree", mlrt_render_tiles(NULL, &now.camera, NULL, NULL, NULL, NULL));
     WITHOUT("camera", mlrt_render_tiles(now.tree, NULL, NULL, NULL, NULL, NULL));
     WITHOUT("camera", mlrt_camera_rays(NULL, NULL, NULL));
-    WITHOUT("tree", mlrt_occluded_points(NULL, &now.points, &now.light, NULL, &now.occluded));
-    WITHOUT("points", mlrt_occluded_points(now.tree, NULL, &now.light, NULL, &now.occluded));
-    WITHOUT("light", mlrt_occluded_points(now.tree, &now.points, NULL, NULL, &now.occluded));
+    WITHOUT("tree", mlrt_occluded_points(NULL, &now.points, &now.light, NULL, &now.dark));
+    WITHOUT("points", mlrt_occluded_points(now.tree, NULL, &now.light, NULL, &now.dark));
+    WITHOUT("light", mlrt_occluded_points(now.tree, &now.points, NULL, NULL, &now.dark));
     WITHOUT("occluded", mlrt_occluded_points(now.tree, &now.points, &now.light, NULL, NULL));
     WITHOUT("tree", mlrt_shadow_ray(NULL, &now.ray, &now.hit, &now.light, &now.shadow, &now.faces));
     WITHOUT("ray", mlrt_shadow_ray(now.tree, NULL, &now.hit, &now.light, &now.shadow, &now.faces));
@@ -283,7 +283,7 @@ static void check_null(void)
     WITHOUT("pool", mlrt_create_pool(1, NULL));
     WITHOUT("options", mlrt_create_pool_with_options(NULL, &now.pool));
     WITHOUT("pool", mlrt_create_pool_with_options(&now.pool_options, NULL));
-    CHECK(now.occluded.data = NULL, POINTS, ARGUMENT, "occluded.data: NULL is not allowed");
+    CHECK(now.dark.data = NULL, POINTS, ARGUMENT, "occluded.data: NULL is not allowed");
 }
 
 static void check_sizes(void)
@@ -732,8 +732,7 @@ static void check_arrays(void)
     LIST(crossing);
     CHECK(now.points.positions.data = NULL, POINTS, ARGUMENT, "points.positions: NULL, but count is not 0");
     CHECK(now.points.count = (size_t)1 << 31, POINTS, TOO_LARGE, "points.count: 2147483648 is more than 2147483647");
-    CHECK(now.occluded.stride = (size_t)1 << 32, POINTS, ARGUMENT,
-          "occluded: stride 4294967296 is more than 2147483648");
+    CHECK(now.dark.stride = (size_t)1 << 32, POINTS, ARGUMENT, "occluded: stride 4294967296 is more than 2147483648");
     CHECK(now.vectors.stride = 8, WRITE_RAYS, ARGUMENT, "origins: stride 8 is less than 12");
     CHECK(now.vectors.row_stride = 6, WRITE_RAYS, ARGUMENT, "origins: row stride 6 is not a multiple of 4");
 }

@@ -350,8 +350,8 @@ static void culling_loses_no_ray_and_is_seldom_idle(void **state)
 }
 
 /*
- * A beam of one ray, and a box of a few floats around a point of it, far nearer to 0 than to the ray's origin: the roundings of
- * what culling computes are larger than the box. Only slopes that are moved outward keep it.
+ * A beam of one ray, and a box of a few floats around a point of it, far nearer to 0 than to the ray's origin: the
+ * roundings of what culling computes are larger than the box. Only slopes that are moved outward keep it.
  */
 static void boxes_that_rays_just_touch_are_not_missed(void **state)
 {
@@ -495,8 +495,9 @@ static const struct {
 enum { WAY_COUNT = sizeof ways / sizeof *ways, COUNT_COUNT = 11 };
 
 /*
- * 0 if these are the counts; else prints them. In this order: packets, beams, cells, of these of the search, tests of triangles,
- * tiles missed, tiles covered, entry points, their depths, cells where culling was undecided, still so after the check.
+ * 0 if these are the counts; else prints them. In this order: packets, beams, cells, of these of the search, tests of
+ * triangles, tiles missed, tiles covered, entry points, their depths, cells where culling was undecided, still so after
+ * the check.
  */
 static int counts_differ(const mlrt_counters *c, const uint64_t expected[COUNT_COUNT], const char *name,
                          const char *title)
@@ -769,8 +770,8 @@ static void counts_of_shadows_are_golden(void **state)
 }
 
 /*
- * A slanted floor, in whose plane the eye lies, is in a leaf with a triangle beside the picture. No ray can hit it, so the other triangle
- * alone is tested, and by 4x4 packets neither.
+ * A slanted floor, in whose plane the eye lies, is in a leaf with a triangle beside the picture. No ray can hit it, so
+ * the other triangle alone is tested, and by 4x4 packets neither.
  */
 static void triangles_in_a_plane_with_the_apex_are_not_tested(void **state)
 {
@@ -874,8 +875,8 @@ static void rays_of_arrays_get_their_hits(void **state)
 }
 
 /*
- * Two triangles that meet at z = 0, each in a leaf of its own, at 5 along x. Of each two neighbouring rays one lies in the plane
- * between them and hits the upper one's edge. The other comes from below, and would cross that plane at 20.
+ * Two triangles that meet at z = 0, each in a leaf of its own, at 5 along x. Of each two neighbouring rays one lies in
+ * the plane between them and hits the upper one's edge. The other comes from below, and would cross that plane at 20.
  */
 static void rays_in_a_plane_beside_rays_that_cross_it_get_their_hits(void **state)
 {
@@ -904,7 +905,9 @@ static void rays_in_a_plane_beside_rays_that_cross_it_get_their_hits(void **stat
     free_soup(&soup);
 }
 
-/* Renders by each method, which must all find what single rays find. Returns what is counted in the last, multi-level. */
+/*
+ * Renders by each method, which must all find what single rays find. Returns what is counted in the last, multi-level.
+ */
 static mlrt_counters compare_picture(const mlrt_tree *tree, const mlrt_camera *camera, uint32_t mask, const char *title)
 {
     static const int32_t methods[] = {MLRT_METHOD_RAY, MLRT_METHOD_PACKET2, MLRT_METHOD_PACKET4, MULTILEVEL};
@@ -938,7 +941,10 @@ static void pictures_along_several_axes_get_their_hits(void **state)
     free_subject(&subject);
 }
 
-/* Two walls that fill the picture, the nearer one slanted. Each is a mesh of two triangles with its own bit of the mask. */
+/*
+ * Two walls that fill the picture, the nearer one slanted. Each is a mesh of two triangles with its own bit of the
+ * mask.
+ */
 struct walls {
     struct soup soups[2];
     mlrt_mesh meshes[2];

@@ -534,8 +534,8 @@ static void squares_that_skip_two_triangles(void **state)
 }
 
 /*
- * Points in the shadow of a wall. Of each square of sixteen all points of some blocks of 4x4 are not finite: of the last
- * ones, the first ones, or any, while the others are behind the wall.
+ * Points in the shadow of a wall. Of each square of sixteen all points of some blocks of 4x4 are not finite: of the
+ * last ones, the first ones, or any, while the others are behind the wall.
  */
 static void squares_of_which_whole_blocks_are_not_finite(void **state)
 {
@@ -755,8 +755,8 @@ static void points_behind_a_screen(void **state)
 }
 
 /*
- * Points behind triangles of a few corners, whose edges many share, in either order: in fans, folds and fins. The sun and
- * the light see corners exactly before some of the points.
+ * Points behind triangles of a few corners, whose edges many share, in either order: in fans, folds and fins. The sun
+ * and the light see corners exactly before some of the points.
  */
 static void points_behind_triangles_of_few_corners(void **state)
 {
@@ -805,8 +805,8 @@ static void points_behind_triangles_of_few_corners(void **state)
 }
 
 /*
- * Triangles that hide a square of points together leave no ray to be tested, however their corners are ordered, and from
- * whichever side they are seen; but if a ray skips one of them, they do.
+ * Triangles that hide a square of points together leave no ray to be tested, however their corners are ordered, and
+ * from whichever side they are seen; but if a ray skips one of them, they do.
  */
 static void triangles_that_hide_a_square_together(void **state)
 {

@@ -163,8 +163,8 @@ static void draw_whole_point(struct random *random, uint32_t greatest, float poi
 }
 
 /*
- * Packets of one ray each, through a corner or the middle of an edge: what bounds all lanes bounds nothing but this ray,
- * and must not be rounded past it. The first of eight tiles has random rays, so that the others go lane by lane.
+ * Packets of one ray each, through a corner or the middle of an edge: what bounds all lanes bounds nothing but this
+ * ray, and must not be rounded past it. The first of eight tiles has random rays, so that the others go lane by lane.
  */
 static void packets_of_one_ray(void **state)
 {

@@ -460,7 +460,9 @@ static void no_flag_is_lowered(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* As many sheets of one triangle as a seed draws, each corner up to 3 floats aside, beside, behind and in each other. */
+/*
+ * As many sheets of one triangle as a seed draws, each corner up to 3 floats aside, beside, behind and in each other.
+ */
 static struct fixture make_stack(struct random *random, uint64_t seed)
 {
     struct soup soup = {0};

@@ -353,8 +353,8 @@ static void check_tests_of_kdtree(const struct fixture *fixture, const struct so
 }
 
 /*
- * Rays from so far away that floats no longer tell the boxes of a scene apart (scene/reach.h) are not tested against all
- * of it, and their answers are right.
+ * Rays from so far away that floats no longer tell the boxes of a scene apart (scene/reach.h) are not tested against
+ * all of it, and their answers are right.
  */
 static void test_far_origins(void **state)
 {

@@ -28,7 +28,10 @@ struct planted {
     double leaf_size, bytes; // references per leaf, bytes per triangle
 };
 
-/* A scene with a tree for each setting. The default tree is there twice, first and last, which shows how far chance goes. */
+/*
+ * A scene with a tree for each setting. The default tree is there twice, first and last, which shows how far chance
+ * goes.
+ */
 struct forest {
     struct subject subject;
     struct planted trees[TREE_LIMIT];

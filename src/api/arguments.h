@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The arguments of calls that trace: copies of the caller's structs in the form of this version, checked. What is wrong
- * is named in the message of the thread; the functions return a status.
+ * The arguments of calls that trace, checked: the caller's structs where they have the form of this version, or else
+ * copies in this form. What is wrong is named in the message of the thread; the functions return a status.
  */
 #ifndef MLRT_API_ARGUMENTS_H
 #define MLRT_API_ARGUMENTS_H

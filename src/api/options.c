@@ -6,7 +6,7 @@
 #include "job/structure.h"
 #include "run/dispatch.h"
 
-/* Sides of tiles, in pixels. */
+/* Sides of tiles, in pixels; and in how many parts a tile is split. */
 #define RAY_TILE             32 /* method ray: a render stops sooner with small tiles */
 #define DEFAULT_MINIMUM_TILE 32
 #define DEFAULT_SPLIT_FACTOR 16

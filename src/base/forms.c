@@ -75,7 +75,7 @@ const struct mlrt_rules mlrt_rules = {
     .arguments.number = {{"", 0, 1, MLRT_FIELD_FINITE}},
 };
 
-/* `last` is the last field of the first version. */
+/* `last` is the last field that the shortest struct of the form must have. */
 #define RULE_NUMBER(table) offsetof(struct mlrt_rules, table) / sizeof(struct mlrt_field)
 #define RULE_COUNT(table)  sizeof mlrt_rules.table / sizeof *mlrt_rules.table
 #define FORM_OF(type, last, table, status, has_rows)                                                                   \

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Rows of the next tile, in the caller's arrays, prefetched one after the other while the tile before it is finished. */
+/*
+ * Rows of the next tile, in the caller's arrays, prefetched one after the other while the tile before it is finished.
+ */
 #ifndef MLRT_BASE_ROWS_AHEAD_H
 #define MLRT_BASE_ROWS_AHEAD_H
 

@@ -43,7 +43,9 @@ struct threads {
     int ending;            /* 1 = threads are to end */
 };
 
-/* The host's functions that run tasks. With tasks a pool has no threads, and any number of batches can run at a time. */
+/*
+ * The host's functions that run tasks. With tasks a pool has no threads, and any number of batches can run at a time.
+ */
 struct tasks {
     void *user;
     mlrt_enqueue_callback enqueue; /* NULL = the pool has threads */

@@ -91,7 +91,9 @@ void mlrt_give_struct(const void *own, size_t own_size, void *given)
     memset((unsigned char *)given + known, 0, size - known);
 }
 
-/* Behind its head mlrt_counters consists of uint64_t only; a caller compiled with an older version has fewer of them. */
+/*
+ * Behind its head mlrt_counters consists of uint64_t only; a caller compiled with an older version has fewer of them.
+ */
 void mlrt_add_counters(mlrt_counters *to, const mlrt_counters *from)
 {
     const size_t first = offsetof(mlrt_counters, ray_count), size = size_of(to);

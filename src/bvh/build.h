@@ -142,7 +142,7 @@ struct mlrt_bvh_build {
 int32_t mlrt_run_step(struct mlrt_bvh_build *build, uint32_t count,
                       double (*run)(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker));
 
-/* ---- references.c ------------------------------------------------------------------------------------------------- */
+/* ---- references.c ---------------------------------------------------------------------------------------------- */
 
 /*
  * Makes the references of all triangles, without gaps. Sets their whole set, the bounds and extent of the tree, and the
@@ -150,7 +150,7 @@ int32_t mlrt_run_step(struct mlrt_bvh_build *build, uint32_t count,
  */
 int32_t mlrt_make_references(struct mlrt_bvh_build *build);
 
-/* ---- budgets.c ---------------------------------------------------------------------------------------------------- */
+/* ---- budgets.c ------------------------------------------------------------------------------------------------- */
 
 /* 1 if sides of `lower` and `upper` references stay within the portion's budget and the depth limit. */
 int mlrt_may_split(const struct mlrt_portion *portion, uint32_t lower, uint32_t upper);
@@ -159,17 +159,17 @@ int mlrt_may_split(const struct mlrt_portion *portion, uint32_t lower, uint32_t 
 void mlrt_share_out(const struct mlrt_bvh_build *build, const struct mlrt_portion *portion,
                     const struct mlrt_bvh_set sets[2], struct mlrt_portion sides[2]);
 
-/* ---- cut.c -------------------------------------------------------------------------------------------------------- */
+/* ---- cut.c ----------------------------------------------------------------------------------------------------- */
 
 /* Cuts a portion in two and returns 1. Returns 0 if the portion becomes a leaf, or the call is cancelled. */
 int mlrt_cut_portion(struct mlrt_bvh_build *build, struct mlrt_portion *portion, struct mlrt_portion sides[2]);
 
-/* ---- binary.c ----------------------------------------------------------------------------------------------------- */
+/* ---- binary.c -------------------------------------------------------------------------------------------------- */
 
 /* Builds the binary hierarchy over all references, and chooses what its nodes become. Returns a status. */
 int32_t mlrt_build_binary(struct mlrt_bvh_build *build);
 
-/* ---- write.c ------------------------------------------------------------------------------------------------------ */
+/* ---- write.c --------------------------------------------------------------------------------------------------- */
 
 /* Allocates tree->bvh and writes all of it; sets tree->info.depth. Returns a status. */
 int32_t mlrt_write_hierarchy(struct mlrt_bvh_build *build);

@@ -73,7 +73,7 @@ static inline uint32_t mlrt_bvh_offset(uint32_t child)
     return child >> 3;
 }
 
-/* ---- build.c ------------------------------------------------------------------------------------------------------ */
+/* ---- build.c --------------------------------------------------------------------------------------------------- */
 
 /*
  * On entry, tree->triangles and triangle_count are set and the rest is 0, `options` is checked, and the floating-point
@@ -93,12 +93,12 @@ int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options,
  */
 struct mlrt_demand mlrt_foresee_bvh(const void *tree_options, uint32_t triangle_count);
 
-/* ---- write.c ------------------------------------------------------------------------------------------------------ */
+/* ---- write.c --------------------------------------------------------------------------------------------------- */
 
 /* Frees the hierarchy of mlrt_build_bvh. tree->bvh is empty then. */
 void mlrt_free_bvh(struct mlrt_tree *tree);
 
-/* ---- places.c ----------------------------------------------------------------------------------------------------- */
+/* ---- places.c -------------------------------------------------------------------------------------------------- */
 
 /* How many quads have to be behind those of leaves. tree->info must have the counts of triangles left out. */
 uint32_t mlrt_count_given_quads(const struct mlrt_tree *tree);
@@ -121,7 +121,7 @@ void mlrt_read_by_places(struct mlrt_tree *tree);
  */
 const char *mlrt_check_places(const struct mlrt_tree *tree);
 
-/* ---- check.c ------------------------------------------------------------------------------------------------------ */
+/* ---- check.c --------------------------------------------------------------------------------------------------- */
 
 /*
  * A finished hierarchy is measured in parts, each a share of the nodes and of the numbers in leaves. How many they are
@@ -158,7 +158,7 @@ void mlrt_join_parts(const struct mlrt_bvh_part *parts, const struct mlrt_bvh_co
  */
 const char *mlrt_check_boxes(const struct mlrt_tree *tree);
 
-/* ---- ray.c -------------------------------------------------------------------------------------------------------- */
+/* ---- ray.c ----------------------------------------------------------------------------------------------------- */
 
 /* Traces one ray in double: trace_ray of the structure (job/structure.h). */
 uint32_t mlrt_trace_boxes(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip, int any,

@@ -35,8 +35,8 @@ MLRT_INLINE uint32_t find_ids_in_mesh(const struct mlrt_tree *tree, uint32_t mes
 }
 
 /*
- * Sets the ids of the lanes `hit`, mesh by mesh, and of a miss in the others. The mesh that was hit last comes first, as
- * neighbours mostly hit it. A tree may have no mesh, and then no lane has a hit.
+ * Sets the ids of the lanes `hit`, mesh by mesh, and of a miss in the others. The mesh that was hit last comes first,
+ * as neighbours mostly hit it. A tree may have no mesh, and then no lane has a hit.
  */
 MLRT_INLINE void find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                                  uint32_t *last_mesh, struct mlrt_packet_values *values)

@@ -63,8 +63,8 @@ struct mlrt_structure {
         int32_t options_form; /* MLRT_STRUCT_* */
         float work;           /* of building, per triangle, where copying one is MLRT_COPY_WORK (scene/meshes.h) */
         /*
-         * Builds over tree->triangles, which it may free if tree->by_number reads triangles without them. Sets the own
-         * part of the tree, its bounds, and what tree->info says about them. Returns a status.
+         * Builds over tree->triangles. It may free them if it sets tree->by_number so that triangles are read without
+         * them. Sets the own part of the tree, its bounds, and what tree->info says about them. Returns a status.
          */
         int32_t (*build)(struct mlrt_tree *tree, const void *options, struct mlrt_progress *progress);
         struct mlrt_demand (*foresee)(const void *options, uint32_t triangle_count);
@@ -89,7 +89,7 @@ struct mlrt_structure {
         uint8_t methods; /* bit 1 << MLRT_METHOD_* for each that there is */
         /* Default sides of the tiles that threads claim: of cameras, rows of pixels in arrays, and lists. */
         uint16_t camera_side, row_side, list_side;
-        /* For calls without counters, by MLRT_ISA_*. Where there are none, those of the next narrower set serve. */
+        /* By MLRT_ISA_*. Where there are none, those of the next narrower set serve; the narrowest count, too. */
         const struct mlrt_kernels *kernels[MLRT_ISA_NEON + 1];
         /*
          * Lays out and clears what a worker keeps for the kernels, from `memory` on, in whole cache lines. Returns its

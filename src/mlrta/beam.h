@@ -35,8 +35,8 @@ struct mlrt_beam {
 struct mlrt_source;
 
 /*
- * Makes the beam of a tile of a source. Returns 0 if it has none: the directions of its rays differ in sign, a ray is
- * not float-safe (rays/source.h), or no ray is valid.
+ * Makes the beam of a tile of a source. Returns 0 if it has none: the directions of its rays differ in sign, or may
+ * be 0 along all axes, a ray is not float-safe (rays/source.h), or no ray is valid.
  */
 int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                   struct mlrt_beam *beam);

@@ -34,12 +34,12 @@ struct entry_point {
     struct mlrt_box box;
 };
 
-/*
- * Where the packets of a tile start: one node, or several, mostly leaves. Each ray meets them in the order of the list.
- */
 #define ENTRY_LIST_LEAVES 16
 #define ENTRY_LIST_SIZE   (ENTRY_LIST_LEAVES + MLRT_DEPTH_LIMIT)
 
+/*
+ * Where the packets of a tile start: one node, or several, mostly leaves. Each ray meets them in the order of the list.
+ */
 struct entry_list {
     uint32_t count;
     uint32_t axis_code; /* of the outlines; NO_OUTLINES if there are none */

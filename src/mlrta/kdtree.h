@@ -76,8 +76,8 @@ struct mlrt_demand mlrt_foresee_nodes(const void *options, uint32_t triangle_cou
 
 /*
  * Sets all that follows from nodes, references and bounds: float_safe and reach, and in tree->info the depth, the
- * counts of nodes, leaves and references, tree_hash, the bounds, and sah_cost for the two costs given. If the call is cancelled
- * meanwhile, these may be wrong.
+ * counts of nodes, leaves and references, tree_hash, the bounds, and sah_cost for the two costs given. If the call is
+ * cancelled meanwhile, these may be wrong.
  */
 void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double intersection_cost,
                        struct mlrt_progress *progress);

@@ -135,7 +135,7 @@ static uint32_t same_sign_lanes(const struct mlrt_packet *packet, uint32_t lanes
     return same;
 }
 
-/* Of `lanes`, those whose vectors differ from that of the lowest by at most `limit` along each axis. */
+/* Of `lanes`, those whose vectors differ from that of lane `seed` by at most `limit` along each axis. */
 static uint32_t lanes_within(const float vectors[3][MLRT_PACKET_RAYS], uint32_t lanes, uint32_t seed, float limit)
 {
     uint32_t within = 1u << seed;

@@ -48,8 +48,8 @@ struct mlrt_kdtree_settings mlrt_resolve_kdtree_options(const mlrt_kdtree_option
 }
 
 /*
- * The nodes and entries of scenes take 24 to 54 bytes per triangle, and twice that while they are built. Entries are
- * limited; each has 4 bytes and, if it is alone in its leaf, 16 bytes of nodes.
+ * The nodes and entries of scenes take 9 to 59 bytes per triangle (docs/data/reproduce-5.md), and twice that while they
+ * are built. Entries are limited; each has 4 bytes and, if it is alone in its leaf, 16 bytes of nodes.
  */
 struct mlrt_demand mlrt_foresee_nodes(const void *options, uint32_t triangle_count)
 {

@@ -20,7 +20,7 @@ struct mlrt_outline {
 struct mlrt_triangle_setup {
     uint32_t number;    /* of the triangle; MLRT_NONE = empty entry */
     uint32_t main_axis; /* of the outline, with its sign: axis | negative << 2 */
-    int has_terms;      /* the fields below are set, but for the outline, which always is */
+    int has_terms;      /* in_plane, distance, distance_bound and cross are set. Method packet2 sets no outline */
     int in_plane;       /* the apex lies in the triangle's plane, so no ray hits it at t > 0 */
     struct mlrt_outline outline;
     float distance;

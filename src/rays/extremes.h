@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The least and the greatest of two numbers, of chosen lanes of sixteen, and of vectors lane by lane. */
+/* The greater of two numbers; the least and the greatest of chosen lanes of sixteen, and of vectors lane by lane. */
 #ifndef MLRT_RAYS_EXTREMES_H
 #define MLRT_RAYS_EXTREMES_H
 

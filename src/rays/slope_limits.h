@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Limits of slopes, and of |d_main|, as seen from an apex or a waist, for the kernels and for the files that make cells. */
+/*
+ * Limits of slopes, and of |d_main|, as seen from an apex or a waist, for the kernels and for the files that make
+ * cells.
+ */
 #ifndef MLRT_RAYS_SLOPE_LIMITS_H
 #define MLRT_RAYS_SLOPE_LIMITS_H
 

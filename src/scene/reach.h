@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * How far from a scene rays may begin for float. Float tells boxes, cells and triangles apart by 2^-20 of their
- * distance from the origin of a ray. So rays from more than 2^13 times the extent of the scene away would meet much that they
- * pass, and from 2^20 times everything. They go one by one in double. No answer depends on it.
+ * distance from the origin of a ray. So rays from more than 2^13 times the extent of the scene away would meet much
+ * that they pass, and from 2^20 times everything. They go one by one in double. No answer depends on it.
  */
 #ifndef MLRT_SCENE_REACH_H
 #define MLRT_SCENE_REACH_H

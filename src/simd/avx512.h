@@ -69,8 +69,8 @@ MLRT_INLINE vi i_select(vm m, vi a, vi b) { return _mm512_mask_blend_epi32(m, b,
 MLRT_INLINE void v_triples(const unsigned char *p, size_t row_step, vf by_axis[3])
 {
     /*
-     * Two rows become squares of 2x2 lanes: columns 0, 1 of the first and of the second row, then columns 2, 3. A row is
-     * read by two loads that end where it ends: one of 64 bytes waits for the next line even if that is masked out.
+     * Two rows become squares of 2x2 lanes: columns 0, 1 of the first and of the second row, then columns 2, 3. A row
+     * is read by two loads that end where it ends: one of 64 bytes waits for the next line even if that is masked out.
      */
     const __m512i xy = _mm512_setr_epi32(0, 3, 16, 19, 6, 9, 22, 25, 1, 4, 17, 20, 7, 10, 23, 26);
     const __m512i z = _mm512_setr_epi32(2, 5, 18, 21, 8, 11, 24, 27, 2, 5, 18, 21, 8, 11, 24, 27);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Vectors of four floats in plain C, for the corners or edges of a triangle and a fourth element. It defines each word
- * for the other quad_*.h.
+ * Vectors of four floats in plain C, where the width of kernels does not matter: the corners or edges of a triangle and
+ * a fourth element, four boxes, bins, or results in a row. It defines each word for the other quad_*.h.
  */
 #ifndef MLRT_QUAD_SCALAR_H
 #define MLRT_QUAD_SCALAR_H

@@ -6,7 +6,8 @@
  * - vf is a vector of floats, vi of 32-bit integers, vm a mask, each with VW lanes; ALL_LANES has a bit for each lane.
  * - Addresses of loads and stores are aligned to the width, except for v_load_any and i_load_any.
  * - v_min and v_max return their second operand if either is a NaN. Comparisons with a NaN are false.
- * - A lane of a mask is all ones or all zeros. m_bits has lane i in bit i.
+ * - A lane of a mask is true or false: all ones or all zeros of a vector, or one bit (AVX-512). m_bits has lane i in
+ *   bit i.
  * - v_mul_add is a b + c, and v_mul_sub a b - c, with one rounding or two: only code with bounds for both may use them.
  * - v_hmin is the least lane of a vector, v_hmax the greatest; v_hmin4 has the least lanes of four vectors.
  * - vd is a vector of DW doubles, which are loaded from floats, and rounded to floats when stored. d_mul_add and

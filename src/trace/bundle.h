@@ -47,7 +47,7 @@ struct mlrt_waist {
     int32_t is_beam; /* the rays are nearly parallel */
 };
 
-/* Makes the axis of the largest component of `direction` the main axis. */
+/* Faces a waist along `direction`: sets main axis and sign by its largest component. No slope, no beam. */
 static inline void mlrt_set_main_axis(const float direction[3], struct mlrt_waist *waist)
 {
     const float x = fabsf(direction[0]), y = fabsf(direction[1]), z = fabsf(direction[2]);
@@ -255,7 +255,10 @@ struct mlrt_pair_line {
 
 #define MLRT_PAIR_LINE_BITS 8
 
-/* The set-ups of leaves, and the lines of pairs, that were needed last, for one waist. */
+/*
+ * The set-ups of leaves, and the lines of pairs, that were needed last, for one point and slope: those of other main
+ * axes and signs stay among them.
+ */
 struct mlrt_bundle_cache {
     struct mlrt_bundle_leaf *leaves; /* 1 << bits of them, by a hash of the first quad */
     uint32_t bits;
@@ -282,8 +285,8 @@ struct mlrt_cell_parts {
 };
 
 /*
- * After an attempt in vain the next area goes without one; after another in vain the next 3, then 7, and so on. After a
- * success the next area makes one.
+ * After an attempt in vain the next areas go without one: at first `least`, and after each further attempt in vain
+ * twice as many and one more, up to `longest` (1, 3, 7, ...). After a success the next area makes one.
  */
 struct mlrt_run {
     uint32_t left;   /* areas, from this one on */
@@ -298,7 +301,7 @@ static inline int mlrt_is_in_run(struct mlrt_run *run)
     return 1;
 }
 
-/* Notes an attempt. A run has between `least` and `longest` areas: both are one less than a power of two. */
+/* Notes an attempt. `least` and `longest` are one less than a power of two. */
 static inline void mlrt_note_attempt(int is_vain, uint32_t least, uint32_t longest, struct mlrt_run *run)
 {
     run->length = is_vain ? ((2 * run->length + 1) | least) & longest : 0;

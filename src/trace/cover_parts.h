@@ -17,7 +17,7 @@ struct mlrt_offered_packets {
     uint32_t may;      /* rays may hit it, also those of closed packets */
     uint32_t covered;  /* it is their cover now */
     uint32_t in_part;  /* closed: D has one sign for all rays, and all look for hits where they meet its plane */
-    uint32_t backward; /* of these, those where D is negative */
+    uint32_t backward; /* D is negative, of those of in_part */
 };
 
 /*

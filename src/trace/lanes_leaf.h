@@ -60,7 +60,10 @@ MLRT_INLINE uint32_t planes_out_of_reach(const struct lanes_hull *hull, const st
     return m_bits(v_gt(least_n, v_mul(greatest_d, v_set1(farthest))));
 }
 
-/* Sets the terms of the triangles of a leaf, by triangle_test.h, "ONE ORIGIN". Returns those whose planes rays may reach. */
+/*
+ * Sets the terms of the triangles of a leaf, by triangle_test.h, "ONE ORIGIN". Returns those whose planes rays may
+ * reach.
+ */
 MLRT_INLINE uint32_t set_up_from_origin(const struct lanes_search *search, const float *corners, uint32_t row,
                                         float farthest, struct triangles_from_origin *terms)
 {

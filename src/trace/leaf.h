@@ -62,7 +62,7 @@
 
 /*
  * The corners of a vector of triangles: axis 0 is the main axis, with the sign of the waist, the other two follow it.
- * `from` has the corners as they lie in the leaf, `to` has them relative to the waist.
+ * `from` has the corners in the coordinates of the leaf but for that sign, `to` has them relative to the waist.
  */
 struct bundle_corners {
     vf from[3][3];

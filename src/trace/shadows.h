@@ -38,9 +38,8 @@ static uint32_t covered_cells(const struct mlrt_bundle *bundle)
 }
 
 /*
- * Traces the light's cells of the cells `covered`. Returns the cells that are lit; *dark receives those that are in
- * shadow. The others are undecided: either `bundle` does not have them, or they were opened; if it has a tile, their
- * shadow rays are made.
+ * Traces the light's cells of the cells `covered`, in a bundle without a tile. Returns the cells that are lit; *dark
+ * receives those that are in shadow. The others are undecided: `bundle` does not have them, or they were opened.
  */
 static uint32_t trace_lit_cells(const struct mlrt_job *light, struct mlrt_worker *worker,
                                 const struct mlrt_bundle *seen, uint32_t covered, struct mlrt_bundle *bundle,

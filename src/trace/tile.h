@@ -226,7 +226,9 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     return others;
 }
 
-/* Traces a bundle, but for parts that are put off. Packets that are left to be traced lane by lane are in `set_aside`. */
+/*
+ * Traces a bundle, but for parts that are put off. Packets that are left to be traced lane by lane are in `set_aside`.
+ */
 static void trace_first_parts(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
     traverse_bundle(job, worker, bundle);

@@ -211,7 +211,10 @@ static int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers,
            mlrt_decide_triangles(job, numbers, undecided, inside, tried, lane, packet, worker, COUNTERS(worker));
 }
 
-/* Fills in what begin_lone_search (one_ray.h) left out of packet and worker: what only the decisions below need. */
+/*
+ * Fills in what begin_lone_search (one_ray.h) left out of packet and worker: what only the decisions below need. From
+ * then on the ray is lane 0 of the packet, no longer worker->lone.
+ */
 static void fill_lone_packet(struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     for (int k = 0; k < 3; ++k) {

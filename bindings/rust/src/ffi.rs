@@ -1311,10 +1311,10 @@ extern "C" {
     /// point that it shows. This is much faster than mlrt_occluded_points, as no points have to leave the library. If the
     /// ray o + t d of a pixel hits a triangle abc, bit k of `occluded` is 1 where light k does not reach the hit:
     ///
-    ///   - A light does not reach it unless it is strictly on that side of abc's plane from which the ray came (a directional
-    ///     light: unless its direction points strictly to that side). A light also counts as one on the other side if the
-    ///     ray below would leave the range of float: if d' (point light) or o' (directional light) would have a component
-    ///     beyond the greatest float.
+    ///   - A light does not reach it unless it is strictly on that side of abc's plane from which the ray came (a
+    ///     directional light: unless its direction points strictly to that side). A light also counts as one on the other
+    ///     side if the ray below would leave the range of float: if d' (point light) or o' (directional light) would have a
+    ///     component beyond the greatest float.
     ///   - Otherwise a ray decides: for a point light at L, from o' = L along d' for 0 < t <= 1; for a directional light,
     ///     from o' along d' = position for 0 < t. Its end L + d', or its origin o', is a point just off the hit, surely on
     ///     the side from which the picture's ray came. It is moved off by about 2^-22 of the greatest coordinate relative to
