@@ -153,7 +153,8 @@ enum {
     MLRT_ERROR_INDEX_RANGE = 3,   /* a triangle names a vertex that does not exist: see mlrt_tree_options.message */
     MLRT_ERROR_OUT_OF_MEMORY = 4, /* an allocation failed, or a memory_limit was reached; nothing was kept */
     MLRT_ERROR_TOO_LARGE = 5,     /* more triangles, rays or pixels than 32-bit counts allow */
-    MLRT_ERROR_CAMERA = 6,        /* camera of size zero, crop outside it, numbers not finite, or dx and dy parallel */
+    MLRT_ERROR_CAMERA = 6,        /* camera of size zero, crop outside it, numbers not finite, a direction of 0 (of a
+                                     parallel camera), or dx and dy parallel */
     MLRT_ERROR_UNSUPPORTED = 7,   /* an instruction set that this machine or build does not have, or a method of the
                                      other structure (MLRT_STRUCTURE_*) */
     MLRT_ERROR_THREAD = 8,        /* the system would not start a thread */
@@ -321,8 +322,8 @@ enum {
  * Presets of mlrt_build_tree: mlrt_tree_options.preset
  *
  * FAST puts each triangle into one leaf. DEFAULT and BEST cut large triangles that lie among small ones in two, so that
- * a triangle can be in several leaves: DEFAULT makes up to 1.15 references (leaf entries) per triangle and takes about
- * twice as long to build, BEST makes up to 1.5 and takes about twice as long again.
+ * a triangle can be in several leaves: DEFAULT makes up to 1.15 references (leaf entries) per triangle that is given
+ * and takes about twice as long to build, BEST makes up to 1.5 and takes about twice as long again.
  */
 enum {
     MLRT_TREE_DEFAULT = 0, /* faster to render than FAST, slower than BEST */
@@ -358,7 +359,8 @@ typedef struct mlrt_tree_options {
  * than 2^30 - 1 triangles in all.
  *
  * Memory per triangle, its own 36 bytes included: 51 to 60 bytes, and at most 136 while the tree is built (FAST: 50 to
- * 56 and 127, BEST: 52 to 69 and 154). Meshes of a few triangles take more, and masks take 4 bytes per triangle.
+ * 56 and 127, BEST: 52 to 69 and 154). Flat grids take 48, meshes of a few triangles more, and masks 4 bytes per
+ * triangle.
  * mlrt_tree_info tells how much a tree took.
  *
  * Method: surface area heuristic over bins, with spatial splits (M. Stich, H. Friedrich, A. Dietrich, "Spatial Splits
@@ -393,7 +395,8 @@ typedef struct mlrt_kdtree_options {
     size_t message_size;     /* size of the buffer in bytes */
     const mlrt_host *host;   /* NULL = malloc, and no messages */
     uint64_t memory_limit;   /* most bytes held at one time; 0 = no limit */
-    uint64_t max_references; /* most leaf entries, which limits the memory; 0 = 8 per triangle + 1024 */
+    uint64_t max_references; /* most leaf entries, at least one per triangle: at the limit nothing is split any more, so
+                                it limits the memory; 0 = 8 per triangle + 1024 */
     uint32_t max_depth;      /* most inner nodes above a leaf, 1..60; 0 = by the number of triangles */
     uint32_t rules_off;      /* MLRT_RULE_* or-ed together: rules to do without; 0 = all rules are on */
     struct mlrt_pool *pool;  /* whose threads build; NULL = the calling thread alone. The tree is the same */
@@ -428,7 +431,8 @@ typedef struct mlrt_memory_estimate {
  *   options     NULL = defaults.
  *   estimate    receives the estimate (struct_size must be set).
  *
- * Scenes of more than a few thousand triangles take 80 to 110 % of it. Only a memory_limit is sure to hold.
+ * Scenes of more than a few thousand triangles take 80 to 110 % of it, flat grids two thirds. Only a memory_limit is
+ * sure to hold.
  */
 MLRT_API int32_t mlrt_estimate_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
                                     mlrt_memory_estimate *estimate);
@@ -521,8 +525,9 @@ MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_o
 /*
  * Computes a hash of meshes: of their ids, masks, and the corners of all triangles in order. It tells whether a saved
  * tree is still that of the caller's meshes. It does not depend on indices, on the layout in memory, or on the machine.
+ * Corners count bit for bit, so that 0 and -0 differ.
  *
- *   meshes      as for mlrt_build_tree.
+ *   meshes      as for mlrt_build_tree, but ids are not compared with each other.
  *   mesh_count  the number of meshes.
  *   hash        receives the hash.
  */
@@ -1019,7 +1024,7 @@ typedef struct mlrt_points {
  *   tree      the tree, whose triangles cast the shadows.
  *   points    the points.
  *   light     the light.
- *   options   NULL = defaults. Its `query` is ignored.
+ *   options   NULL = defaults. Its `query` must be right, but is ignored.
  *   occluded  uint8_t: element i receives 1 if something lies between point i and the light, 0 if nothing does. Its
  *             data must not be NULL.
  *
@@ -1040,11 +1045,11 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
  *     side if the ray below would leave the range of float: if d' (point light) or o' (directional light) would have a
  *     component beyond the greatest float.
  *   - Otherwise a ray decides: for a point light at L, from o' = L along d' for 0 < t <= 1; for a directional light,
- *     from o' along d' = position for 0 < t. Its end L + d', or its origin o', is a point just off the hit, surely on
- *     the side from which the picture's ray came. It is moved off by about 2^-22 of the greatest coordinate relative to
- *     the eye and to the light; for slivers, and rays that nearly lie in their plane, by as many floats as it takes. So
- *     no triangle shades itself, nor does one in its plane or behind it. The ray sees the meshes that the picture's
- *     rays see (`mask`).
+ *     from o' along d' = position (with 0 for -0) for 0 < t. Its end L + d', or its origin o', is a point just off the
+ *     hit, surely on the side from which the picture's ray came. It is moved off by about 2^-22 of the greatest
+ *     coordinate relative to the eye and to the light; for slivers, and rays that nearly lie in their plane, by as many
+ *     floats as it takes. So no triangle shades itself, nor does one in its plane or behind it. The ray sees the meshes
+ *     that the picture's rays see (`mask`).
  *
  * mlrt_shadow_ray computes this ray, which is the same on every machine. The answer is that of mlrt_trace_ray for it.
  *
@@ -1056,7 +1061,8 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
  *   faces   receives 1; or 0 if the light is on the other side, or counts as such because the ray would leave the range
  *           of float. No ray is needed then, and *shadow has a direction of 0.
  *
- * MLRT_ERROR_ARGUMENT: there is no such triangle, or the ray does not hit it.
+ * MLRT_ERROR_ARGUMENT: there is no such triangle, or the ray does not hit it between its t_min and t_max. (What the ray
+ * skips does not matter.)
  */
 MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_hit *hit,
                                  const mlrt_light *light, mlrt_ray *shadow, int32_t *faces);

@@ -728,7 +728,7 @@ static double attack_single_t(const float *input)
         if (!load_single(input, is_any, &test)) continue;
         test.inner = FLT_MAX;
         test.edge_bound = 0;
-        const struct verdict verdict = compare_distances(&test, ALL_LANES, 0, INFINITY, INFINITY, 0);
+        const struct verdict verdict = compare_distances(&test, ALL_LANES, 0, INFINITY, INFINITY);
         if (!verdict.nearer || isinf(verdict.hi)) continue;
         find_d_and_n(other_truth, truth);
         mpf_div(truth, truth, other_truth);
@@ -1629,7 +1629,7 @@ static void stacks_hold_what_waits(void **state)
                                  .unit = 1};
 
     const float direction[3] = {0, 0, 1};
-    mlrt_set_main_axis(direction, &bundle.waist);
+    mlrt_face_waist(direction, &bundle.waist);
     for (int side = 0; side < 2; ++side) {
         bundle.hulls.term[side].lo[0] = -0.01f;
         bundle.hulls.term[side].hi[0] = 0.01f;

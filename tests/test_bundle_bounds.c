@@ -385,7 +385,7 @@ static void begin_bundle_of(const float *point, const float *const *origins, con
     bundle.waist = (struct mlrt_waist){.sign = directions[0][0] < 0 ? -1.0f : 1.0f};
     memcpy(bundle.waist.point, point, sizeof bundle.waist.point);
     packet->active = (1u << count) - 1;
-    packet->single = 0;
+    packet->in_double = 0;
     packet->has.apex = packet->has.skip = packet->has.masks = packet->has.limits = 0;
     for (int lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
         const int ray = lane < count ? lane : 0;

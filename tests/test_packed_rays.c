@@ -492,7 +492,7 @@ static void check_lanes_of(const struct mlrt_source *source, const struct mlrt_r
         if (lanes >> lane & 1) valid = (uint32_t)mlrt_get_ray(source, y * source->width + x, &ray, &skip);
         if (valid) safe = (uint32_t)mlrt_is_safe_ray(&ray);
         if (valid && packet->has.skip) assert_int_equal(packet->skip[lane], skip);
-        if ((packet->active >> lane & 1) != (valid & safe) || (packet->single >> lane & 1) != (valid & ~safe & 1)) {
+        if ((packet->active >> lane & 1) != (valid & safe) || (packet->in_double >> lane & 1) != (valid & ~safe & 1)) {
             fail_msg("lane %u of the block at %u, %u: valid %u, safe %u", lane, block->x, block->y, valid, safe);
         }
     }

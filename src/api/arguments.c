@@ -5,8 +5,6 @@
  */
 #include "api/arguments.h"
 
-#include "base/host.h"
-
 static int32_t fail_argument(const char *field, const char *rule)
 {
     return mlrt_fail(MLRT_ERROR_ARGUMENT, "%s: %s", field, rule);

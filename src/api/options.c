@@ -46,7 +46,7 @@ static uint32_t standard_initial_tile(const struct mlrt_job *job)
     const struct mlrt_structure *structure = job->tree->structure;
     if (job->method == MLRT_METHOD_RAY) return RAY_TILE;
     if (job->source.kind == MLRT_SOURCE_CAMERA) return structure->tracer.camera_side;
-    return job->source.width <= 4 ? structure->tracer.list_side : structure->tracer.row_side;
+    return mlrt_is_list(&job->source) ? structure->tracer.list_side : structure->tracer.row_side;
 }
 
 /* Sets the tree, the query and the masks of a job, whose source is set. Of rays to a light, any hit will do. */

@@ -29,6 +29,12 @@ static int product_fits(size_t count, size_t size)
     return size == 0 || count <= (SIZE_MAX - MARGIN_SIZE) / size;
 }
 
+/* The bytes of a block: at least 1, as a host is never asked for none. */
+static size_t block_size_of(size_t count, size_t size)
+{
+    return count && size ? count * size : 1;
+}
+
 static int within_limit(const struct mlrt_memory *memory, size_t block_size)
 {
     return memory->limit_size == 0 ||
@@ -95,13 +101,9 @@ static MLRT_NOINLINE void free_by_host(const struct mlrt_memory *memory, void *b
     memcpy(message, kept, sizeof kept);
 }
 
-/*
- * A block from the host, which is never asked for 0 bytes. A block that is not aligned is freed at once; then the
- * result is NULL.
- */
-static void *allocate_from_host(const struct mlrt_memory *memory, size_t block_size)
+/* A block from the host. A block that is not aligned is freed at once; then the result is NULL. */
+static void *allocate_from_host(const struct mlrt_memory *memory, size_t size)
 {
-    const size_t size = block_size ? block_size : 1;
     void *block = memory->allocate(memory->user, size, ALIGNMENT);
     if (block == NULL || (uintptr_t)block % ALIGNMENT == 0) return block;
     free_by_host(memory, block, size);
@@ -118,9 +120,11 @@ static void *allocate_from_system(size_t block_size)
 
 void *mlrt_allocate(struct mlrt_memory *memory, size_t count, size_t size)
 {
-    if (!product_fits(count, size) || !within_limit(memory, count * size)) return NULL;
-    void *block = memory->allocate ? allocate_from_host(memory, count * size) : allocate_from_system(count * size);
-    if (block != NULL) count_held(memory, count * size);
+    if (!product_fits(count, size)) return NULL;
+    const size_t block_size = block_size_of(count, size);
+    if (!within_limit(memory, block_size)) return NULL;
+    void *block = memory->allocate ? allocate_from_host(memory, block_size) : allocate_from_system(block_size);
+    if (block != NULL) count_held(memory, block_size);
     return block;
 }
 
@@ -133,11 +137,11 @@ void *mlrt_allocate_zeroed(struct mlrt_memory *memory, size_t count, size_t size
 
 void mlrt_free(struct mlrt_memory *memory, void *block, size_t count, size_t size)
 {
-    const size_t block_size = count * size;
+    const size_t block_size = block_size_of(count, size);
     if (block == NULL) return;
     memory->held_size -= block_size;
     if (memory->free)
-        free_by_host(memory, block, block_size ? block_size : 1);
+        free_by_host(memory, block, block_size);
     else
         free(start_of(block));
 }
@@ -160,17 +164,19 @@ void *mlrt_resize(struct mlrt_memory *memory, void *block, size_t old_count, siz
 {
     if (block == NULL) return mlrt_allocate(memory, new_count, size);
     if (memory->allocate) return move_block(memory, block, old_count, new_count, size);
-    size_t kept_size = (old_count < new_count ? old_count : new_count) * size;
-    if (!product_fits(new_count, size) || !within_limit(memory, new_count * size - kept_size)) return NULL;
+    if (!product_fits(new_count, size)) return NULL;
+    const size_t kept_size = (old_count < new_count ? old_count : new_count) * size;
+    const size_t new_size = block_size_of(new_count, size);
+    if (!within_limit(memory, new_size - kept_size)) return NULL;
     size_t old_offset = (size_t)((char *)block - start_of(block));
-    char *start = realloc(start_of(block), new_count * size + MARGIN_SIZE);
+    char *start = realloc(start_of(block), new_size + MARGIN_SIZE);
     if (start == NULL) return NULL;
-    advise_large_pages(start, new_count * size);
+    advise_large_pages(start, new_size);
     size_t lowest = (uintptr_t)start % ALIGNMENT + sizeof(void *);
     size_t new_offset = sizeof(void *) + (ALIGNMENT - lowest % ALIGNMENT) % ALIGNMENT;
     if (new_offset != old_offset) memmove(start + new_offset, start + old_offset, kept_size);
-    memory->held_size -= old_count * size;
-    count_held(memory, new_count * size);
+    memory->held_size -= block_size_of(old_count, size);
+    count_held(memory, new_size);
     return place_block(start);
 }
 

@@ -17,17 +17,18 @@
 /*
  * An attempt is in vain if all cells of an area had to be opened: then most cells of the next areas must be opened,
  * too. So the next tile begins with open cells, or the next square goes tile by tile; after another attempt in vain the
- * next 3, then 7, up to TILE_RUN tiles (of a camera CELL_RUN) and SQUARE_RUN squares, which are one less than a power
- * of two. Where an attempt reads rays, READ_RUN follow at once. If all are 0, every area begins with closed cells.
+ * next 3, then 7, up to TILE_BACKOFF tiles (of a camera CELL_BACKOFF) and SQUARE_BACKOFF squares, which are one less
+ * than a power of two. Where an attempt reads rays, READ_BACKOFF follow at once. If all are 0, every area begins with
+ * closed cells.
  * FIRST_OPEN_TILES and _SQUARES: so many first areas of a worker begin open; 0xFFFFFFFF: all.
  *
- * Instructions (AVX2) with 3 tiles always: shadows of dragon 1.03, pictures of erw6 1.01. With READ_RUN 1: shadows of
- * erw6 1.02.
+ * Instructions (AVX2) with 3 tiles always: shadows of dragon 1.03, pictures of erw6 1.01. With READ_BACKOFF 1: shadows
+ * of erw6 1.02.
  */
-#define MLRT_TILE_RUN           15
-#define MLRT_CELL_RUN           3
-#define MLRT_SQUARE_RUN         3
-#define MLRT_READ_RUN           3
+#define MLRT_TILE_BACKOFF       15
+#define MLRT_CELL_BACKOFF       3
+#define MLRT_SQUARE_BACKOFF     3
+#define MLRT_READ_BACKOFF       3
 #define MLRT_FIRST_OPEN_TILES   0
 #define MLRT_FIRST_OPEN_SQUARES 0
 
@@ -36,7 +37,7 @@
  * further parts of a cover. If that is so again, none of the next 3, then 7, up to so many, one less than a power of
  * two. Zen 5, suns of sponza without this rule: 0.95.
  */
-#define MLRT_LONE_SQUARE_RUN 63
+#define MLRT_LONE_SQUARE_BACKOFF 63
 
 /*
  * A packet this many times as wide as the narrow ones of its tile (three quarters are at least as wide as those) goes

@@ -6,8 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/progress.h"
-
 /* ---- sets ---------------------------------------------------------------------------------------------------- */
 
 struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,

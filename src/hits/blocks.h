@@ -24,8 +24,8 @@ MLRT_INLINE void get_packet(const struct mlrt_job *job, const struct mlrt_rectan
 /* Traces the rays of a packet that float does not carry. */
 static void finish_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_packet *packet)
 {
-    if (MLRT_UNLIKELY(packet->single != 0))
-        mlrt_trace_single_rays(job, packet->single, packet, worker, COUNTERS(worker));
+    if (MLRT_UNLIKELY(packet->in_double != 0))
+        mlrt_trace_in_double(job, packet->in_double, packet, worker, COUNTERS(worker));
 }
 
 /* Traces the single rays of a packet, and writes the results of all, and their shadows. */
@@ -63,7 +63,7 @@ static void trace_block_by_rays(const struct mlrt_job *job, struct mlrt_worker *
     struct mlrt_packet packet;
     (void)list;
     get_packet(job, block, lanes, &packet);
-    packet.single |= packet.active;
+    packet.in_double |= packet.active;
     end_packet(job, worker, lanes, block, &packet);
 }
 

@@ -8,8 +8,8 @@
 #include "job/structure.h"
 #include "job/write_arrays.h"
 
-void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
-                            struct mlrt_worker *worker, mlrt_counters *counters)
+void mlrt_trace_in_double(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
+                          struct mlrt_worker *worker, mlrt_counters *counters)
 {
     if (mlrt_is_stopped(worker, 0)) return;
     for (; lanes; lanes &= lanes - 1) {

@@ -13,8 +13,8 @@
  * Traces lanes of a packet one by one in double, and stores the triangles that they hit; none if the call is to end.
  * `counters` may be NULL.
  */
-void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
-                            struct mlrt_worker *worker, mlrt_counters *counters);
+void mlrt_trace_in_double(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
+                          struct mlrt_worker *worker, mlrt_counters *counters);
 
 /* Writes misses to a rectangle of a picture. */
 void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *worker,

@@ -187,13 +187,12 @@ MLRT_INLINE void bound_distances(const struct float_test *test, struct verdict *
     verdict->hi = v_mul(v_mul(t.greatest_n, inverse), v_add(v_set1(1), v_add(slack, slack)));
 }
 
-/* The verdict on candidates that are not surely outside, with lo and hi unless `any`. */
-MLRT_INLINE struct verdict compare_distances(const struct float_test *test, vm candidates, vf t_min, vf lo, vf hi,
-                                             int any)
+/* The verdict on candidates that are not surely outside. */
+MLRT_INLINE struct verdict compare_distances(const struct float_test *test, vm candidates, vf t_min, vf lo, vf hi)
 {
     const vm left = may_be_nearer(test, candidates, t_min, hi);
     struct verdict verdict = compare_with_nearest_hits(test, left, t_min, lo);
-    if (!any && m_bits(verdict.nearer)) bound_distances(test, &verdict);
+    if (m_bits(verdict.nearer)) bound_distances(test, &verdict);
     return verdict;
 }
 

@@ -13,7 +13,6 @@
 #include "rays/source.h"
 
 /* State of workers that only one structure uses: trace/bundle.h and mlrta/setups.h. */
-struct mlrt_bundle;
 struct mlrt_bundles;
 struct mlrt_setups;
 

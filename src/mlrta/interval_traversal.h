@@ -216,7 +216,7 @@ static void traverse_interval(const struct mlrt_job *job, const struct entry_lis
         left &= ~group.lanes;
         COUNT(&worker->counters, packet_count, 1);
         traverse_list(job, list, &group, packet, worker);
-        if (MLRT_UNLIKELY(group.effort_left < 0)) packet->single |= group.lanes;
+        if (MLRT_UNLIKELY(group.effort_left < 0)) packet->in_double |= group.lanes;
     }
 }
 

@@ -152,7 +152,7 @@ MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lane
             group.lanes &= alive;
         }
         if (MLRT_UNLIKELY(group.effort_left < 0)) {
-            packet->single |= alive;
+            packet->in_double |= alive;
             return;
         }
         const f4 nearest = f4_load(packet->nearest.hi + first);

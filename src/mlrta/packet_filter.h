@@ -73,7 +73,7 @@ MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, flo
     test.distance = terms->distance;
     test.distance_bound = terms->distance_bound;
     return compare_distances(&test, candidates, v_load(packet->t_min + v), v_load(packet->nearest.lo + v),
-                             v_load(packet->nearest.hi + v), 0);
+                             v_load(packet->nearest.hi + v));
 }
 
 /* The float part of test_triangle. */

@@ -11,7 +11,6 @@
 #include <string.h>
 
 #include "base/platform.h"
-#include "base/progress.h"
 #include "mlrta/sort_keys.h"
 #include "scene/clip.h"
 

@@ -69,7 +69,9 @@ MLRT_INLINE void take_limits(vf t_min, vf t_max, int v, struct mlrt_packet *pack
     i_store(packet->nearest.triangle + v, i_set1(MLRT_NONE));
 }
 
-/* Sets `active` and `single` of `lanes` by rule R1 (mlrt_make_segment) and by which rays are float-safe (packet.h). */
+/*
+ * Sets `active` and `in_double` of `lanes` by rule R1 (mlrt_make_segment) and by which rays are float-safe (packet.h).
+ */
 MLRT_INLINE void check_vectors(uint32_t lanes, struct mlrt_packet *packet)
 {
     struct checked_lanes origins = {0xFFFF, 0xFFFF, 0xFFFF}, directions; /* an apex is finite: source.c, camera.c */
@@ -81,7 +83,7 @@ MLRT_INLINE void check_vectors(uint32_t lanes, struct mlrt_packet *packet)
     check_lanes(packet->direction, &directions);
     const uint32_t valid = lanes & origins.finite & directions.finite & directions.nonzero;
     packet->active = valid & origins.safe & directions.safe;
-    packet->single = valid & ~packet->active;
+    packet->in_double = valid & ~packet->active;
 }
 
 /* Checks vectors and limits of `lanes`, those that exist. */
@@ -100,7 +102,7 @@ MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
     check_vectors(lanes & is_interval, packet);
 }
 
-/* Makes active rays single whose origins have a coordinate beyond `reach`. */
+/* Leaves active rays whose origins have a coordinate beyond `reach` to double. */
 MLRT_INLINE void set_far_rays_aside(float reach, struct mlrt_packet *packet)
 {
     uint32_t within = 0;
@@ -112,7 +114,7 @@ MLRT_INLINE void set_far_rays_aside(float reach, struct mlrt_packet *packet)
         }
         within |= m_bits(v_le(greatest, v_set1(reach))) << v;
     }
-    packet->single |= packet->active & ~within;
+    packet->in_double |= packet->active & ~within;
     packet->active &= within;
 }
 

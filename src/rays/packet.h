@@ -8,8 +8,8 @@
  * A ray is `active` if float arithmetic carries its numbers without overflow or loss. On the kd-tree, its direction
  * components and origin coordinates, and the coordinates of the tree (float_safe in scene/tree.h), must be 0 or of
  * magnitude 2^-60 .. 2^60; in the hierarchy of boxes they must be so in its units (trace/units.h), and the origin
- * within reach (scene/reach.h). Other rays that can hit a triangle are `single`: they go through the tree one by one in
- * double.
+ * within reach (scene/reach.h). Other rays that can hit a triangle are `in_double`: they go through the tree one by one
+ * in double.
  */
 #ifndef MLRT_RAYS_PACKET_H
 #define MLRT_RAYS_PACKET_H
@@ -52,7 +52,7 @@ struct mlrt_packet {
     MLRT_ALIGNED(64) uint32_t mask[MLRT_PACKET_RAYS]; /* scene/masks.h; not set if !has.masks */
     float apex[3];                                    /* the common origin, if has.apex */
     uint32_t active;                                  /* bit per lane */
-    uint32_t single;                                  /* bit per lane */
+    uint32_t in_double;                               /* bit per lane */
     struct mlrt_packet_traits has;
 };
 

@@ -157,6 +157,12 @@ static inline int mlrt_is_safe_ray(const struct mlrt_ray_segment *ray)
     return mlrt_are_float_safe(ray->origin) && mlrt_are_float_safe(ray->direction);
 }
 
+/* Is the source a list, or rows as short? Its tiles are one packet wide then. */
+static inline int mlrt_is_list(const struct mlrt_source *source)
+{
+    return source->kind != MLRT_SOURCE_CAMERA && source->width <= 4;
+}
+
 static inline int mlrt_is_light(const struct mlrt_source *source)
 {
     return source->kind == MLRT_SOURCE_POINT_LIGHT || source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT;

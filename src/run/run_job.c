@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "base/progress.h"
-#include "base/host.h"
 #include "base/scheduler.h"
 #include "base/structs.h"
 #include "hits/undecided.h"

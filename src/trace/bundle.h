@@ -48,7 +48,7 @@ struct mlrt_waist {
 };
 
 /* Faces a waist along `direction`: sets main axis and sign by its largest component. No slope, no beam. */
-static inline void mlrt_set_main_axis(const float direction[3], struct mlrt_waist *waist)
+static inline void mlrt_face_waist(const float direction[3], struct mlrt_waist *waist)
 {
     const float x = fabsf(direction[0]), y = fabsf(direction[1]), z = fabsf(direction[2]);
     waist->main_axis = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
@@ -288,31 +288,31 @@ struct mlrt_cell_parts {
  * After an attempt in vain the next areas go without one: at first `least`, and after each further attempt in vain
  * twice as many and one more, up to `longest` (1, 3, 7, ...). After a success the next area makes one.
  */
-struct mlrt_run {
+struct mlrt_backoff {
     uint32_t left;   /* areas, from this one on */
     uint32_t length; /* areas at first */
 };
 
 /* Does the next area do without the attempt? */
-static inline int mlrt_is_in_run(struct mlrt_run *run)
+static inline int mlrt_skips_attempt(struct mlrt_backoff *backoff)
 {
-    if (run->left == 0) return 0;
-    --run->left;
+    if (backoff->left == 0) return 0;
+    --backoff->left;
     return 1;
 }
 
 /* Notes an attempt. `least` and `longest` are one less than a power of two. */
-static inline void mlrt_note_attempt(int is_vain, uint32_t least, uint32_t longest, struct mlrt_run *run)
+static inline void mlrt_note_attempt(int is_vain, uint32_t least, uint32_t longest, struct mlrt_backoff *backoff)
 {
-    run->length = is_vain ? ((2 * run->length + 1) | least) & longest : 0;
-    run->left = run->length;
+    backoff->length = is_vain ? ((2 * backoff->length + 1) | least) & longest : 0;
+    backoff->left = backoff->length;
 }
 
 /* Of the cells of a square. */
 struct mlrt_cover_parts {
-    struct mlrt_run lone_squares; /* in which no cell waits for further parts */
-    uint32_t waited;              /* cells that have had a part */
-    uint32_t open[3];             /* of the triangle at hand: see mlrt_add_cover_part */
+    struct mlrt_backoff lone_squares; /* in which no cell waits for further parts */
+    uint32_t waited;                  /* cells that have had a part */
+    uint32_t open[3];                 /* of the triangle at hand: see mlrt_add_cover_part */
     struct mlrt_cell_parts cells[MLRT_BUNDLE_PACKETS];
 };
 
@@ -321,10 +321,10 @@ struct mlrt_cover_parts {
  * turns.
  */
 struct mlrt_bundles {
-    struct mlrt_run open_bundles[2]; /* tiles that begin with open packets */
-    struct mlrt_run open_tiles;      /* tiles that begin with open cells (levels.h) */
-    struct mlrt_run open_squares;    /* squares that are traced tile by tile */
-    uint32_t lane_tiles[2];          /* how many of the next tiles go lane by lane */
+    struct mlrt_backoff open_bundles[2]; /* tiles that begin with open packets */
+    struct mlrt_backoff open_tiles;      /* tiles that begin with open cells (levels.h) */
+    struct mlrt_backoff open_squares;    /* squares that are traced tile by tile */
+    uint32_t lane_tiles[2];              /* how many of the next tiles go lane by lane */
     struct mlrt_bundle_cache caches[2];
     struct mlrt_kept_surface surfaces[MLRT_KEPT_SURFACES]; /* that a picture's rays hit, if it has lights */
     struct mlrt_cover_parts parts;

@@ -81,7 +81,7 @@ int mlrt_gather_camera_cells(const mlrt_camera *view, float unit, const struct m
         pad[k] = whole * (8 * 0x1p-24f) + floor;
         middle[k] = (view->d00[k] + columns[0][0] * view->dx[k]) + rows[0][0] * view->dy[k];
     }
-    mlrt_set_main_axis(middle, waist);
+    mlrt_face_waist(middle, waist);
     if (!mlrt_set_apex(view->eye, unit, waist)) return 0;
     f4 error[3], from[2][3]; /* d00 + x dx for the first, and the last, columns of four cells */
     float along[3];

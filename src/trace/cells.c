@@ -39,7 +39,7 @@ void mlrt_begin_cells(uint32_t there, struct mlrt_bundle *bundle)
 int mlrt_begin_parallel_cells(const struct mlrt_bvh *bvh, struct mlrt_array_cells *cells, struct mlrt_waist *waist)
 {
     const float *direction = (const float *)(const void *)cells->reader.directions.data;
-    mlrt_set_main_axis(direction, waist);
+    mlrt_face_waist(direction, waist);
     const float given = fabsf(direction[waist->main_axis]), pace = given * bvh->unit;
     int fits = pace >= LEAST_PACE && pace <= GREATEST_PACE && given <= GREATEST_PACE;
     waist->is_beam = 1;
@@ -68,7 +68,7 @@ int mlrt_begin_apex_cells(const struct mlrt_source *source, size_t first, float 
     cells->have_ends = is_light;
     memcpy(direction, cells->vectors->data + first * cells->vectors->stride, sizeof direction);
     for (int k = 0; k < 3; ++k) direction[k] -= is_light ? source->light[k] : 0;
-    mlrt_set_main_axis(direction, waist);
+    mlrt_face_waist(direction, waist);
     return mlrt_set_apex(point, unit, waist);
 }
 

@@ -168,8 +168,8 @@ static MLRT_NOINLINE int make_rays_of_packet(const struct mlrt_job *job, struct 
     const int v = (int)(place - place % VW);
     make_rays(job, bundle->tile, place);
     if (MLRT_UNLIKELY(bundle->scene.unit != 1))
-        check_packet_in_units(packet->active | packet->single, bundle->scene.unit, bundle->scene.reach, packet);
-    int fits = packet->active && !packet->single;
+        check_packet_in_units(packet->active | packet->in_double, bundle->scene.unit, bundle->scene.reach, packet);
+    int fits = packet->active && !packet->in_double;
     if (fits && (bundle->scene.unit != 1 || bundle->tile->seen)) { /* bounds of the rays are closer than the cell's */
         const float last = bundle->hulls.last[place];              /* may be the cover's */
         fits = !(packet->active & ~bound_from_anywhere(bundle, place)) && hulls_fit(bundle, 1u << place);

@@ -93,7 +93,7 @@ void mlrt_end_cover_parts(struct mlrt_bundle *bundle, struct mlrt_cover_parts *p
     const uint32_t waited = parts->waited;
     parts->waited = 0;
     bundle->state.closed &= ~(waited & bundle->state.going);
-    if (mlrt_is_in_run(&parts->lone_squares) || !waited) return;
+    if (mlrt_skips_attempt(&parts->lone_squares) || !waited) return;
     const int is_vain = 2 * mlrt_count_bits(waited & bundle->state.covered) < mlrt_count_bits(waited);
-    mlrt_note_attempt(is_vain, 1, MLRT_LONE_SQUARE_RUN, &parts->lone_squares);
+    mlrt_note_attempt(is_vain, 1, MLRT_LONE_SQUARE_BACKOFF, &parts->lone_squares);
 }

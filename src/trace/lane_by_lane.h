@@ -95,7 +95,7 @@ static MLRT_NOINLINE void trace_lanes(const struct mlrt_job *job, uint32_t lanes
     if (carried) trace_lanes_in_units(job, carried, &scaled.rays, worker);
     worker->scaled = NULL;
     take_scaled_hits(&scaled, carried);
-    if (lanes & ~carried) mlrt_trace_single_rays(job, lanes & ~carried, packet, worker, COUNTERS(worker));
+    if (lanes & ~carried) mlrt_trace_in_double(job, lanes & ~carried, packet, worker, COUNTERS(worker));
 }
 
 #endif

@@ -115,7 +115,7 @@ MLRT_INLINE uint32_t test_triangle_from_origin(const struct mlrt_job *job, const
     test.distance = v_set1(terms->distance[place]);
     test.distance_bound = v_set1(terms->distance_bound[place]);
     const struct verdict verdict = compare_distances(&test, candidates, v_load(packet->t_min + v),
-                                                     v_load(packet->nearest.lo + v), v_load(packet->nearest.hi + v), 0);
+                                                     v_load(packet->nearest.lo + v), v_load(packet->nearest.hi + v));
     keep_verdict(&verdict, number, v, packet, &outcome);
     if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;
     return outcome.nearer | decide_scaled_lanes(job, number, outcome.undecided, outcome.inside, packet, worker);

@@ -35,12 +35,6 @@ static int gather_cells(const struct mlrt_job *job, const struct mlrt_rectangle 
     return 0;
 }
 
-/* Is the source a list? It is then a picture four rays wide, and its tiles are one packet wide. */
-static int is_list(const struct mlrt_source *source)
-{
-    return source->kind != MLRT_SOURCE_CAMERA && source->width <= 4;
-}
-
 /* Traces the rays of a packet that float does not carry, and adds it to a row that is written together. */
 static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                          uint32_t place, struct row_of_packets *row)
@@ -83,9 +77,9 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
 {
     struct mlrt_ray_tile *tile = bundle->tile;
     if (gather_cells(job, &tile->area, 4, NULL, bundle)) {
-        const int is_open = mlrt_is_in_run(&worker->bundles->open_tiles);
+        const int is_open = mlrt_skips_attempt(&worker->bundles->open_tiles);
         trace_cells(job, worker, is_open, bundle);
-        if (!is_open) mlrt_note_attempt(!bundle->state.closed, 1, MLRT_CELL_RUN, &worker->bundles->open_tiles);
+        if (!is_open) mlrt_note_attempt(!bundle->state.closed, 1, MLRT_CELL_BACKOFF, &worker->bundles->open_tiles);
         return;
     }
     tile->made = 0xFFFF;
@@ -102,7 +96,7 @@ static void begin_rows_ahead(const struct mlrt_job *job, uint32_t x, uint32_t y,
 {
     const uint32_t width = job->source.width;
     rows->height = 0;
-    if (is_list(&job->source)) return;
+    if (mlrt_is_list(&job->source)) return;
     mlrt_begin_source_rows(&job->source, x, y, rows);
     if (rows->height) mlrt_add_sink_rows(&job->frame, x, y, width - x < 16 ? width - x : 16, rows);
 }
@@ -143,7 +137,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
 {
     struct mlrt_ray_tile tile;
     struct mlrt_bundle bundle;
-    mlrt_begin_tile(area, is_list(&job->source), &tile);
+    mlrt_begin_tile(area, mlrt_is_list(&job->source), &tile);
     bundle.tile = &tile;
     bundle.state.closed = 0;
     tile.cells = &bundle;
@@ -165,10 +159,10 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
     struct mlrt_array_cells arrays;
     bundle.tile = NULL;
     bundle.state.closed = 0;
-    if (!mlrt_is_in_run(&worker->bundles->open_squares)) {
+    if (!mlrt_skips_attempt(&worker->bundles->open_squares)) {
         if (gather_cells(job, area, 16, &arrays, &bundle)) trace_cells(job, worker, 0, &bundle);
-        const uint32_t least = job->source.kind == MLRT_SOURCE_CAMERA ? 1 : MLRT_READ_RUN;
-        mlrt_note_attempt(!bundle.state.closed, least, MLRT_SQUARE_RUN, &worker->bundles->open_squares);
+        const uint32_t least = job->source.kind == MLRT_SOURCE_CAMERA ? 1 : MLRT_READ_BACKOFF;
+        mlrt_note_attempt(!bundle.state.closed, least, MLRT_SQUARE_BACKOFF, &worker->bundles->open_squares);
     }
     struct known_lights known[MLRT_CELL_COUNT];
     uint32_t known_cells = bundle.state.closed;
@@ -193,7 +187,7 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
 /* Traces the squares of a part of a picture, or the tiles of a list. */
 static void trace_squares(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area)
 {
-    if (is_list(&job->source)) {
+    if (mlrt_is_list(&job->source)) {
         for (uint32_t j = 0; j < area->height; j += 64) {
             const struct mlrt_rectangle tile = {area->x, area->y + j, area->width,
                                                 area->height - j < 64 ? area->height - j : 64};

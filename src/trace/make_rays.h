@@ -45,7 +45,7 @@ static void make_rays_to_light(const struct mlrt_job *job, struct mlrt_ray_tile 
         tile->dark[place] = make_shadow_packet(job, &tile->seen->packets[place], hit, tile->surfaces, packet);
         return;
     }
-    packet->active = packet->single = 0;
+    packet->active = packet->in_double = 0;
     mlrt_fill_words(packet->nearest.triangle, MLRT_NONE);
 }
 
@@ -70,7 +70,7 @@ static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_ray_tile *t
     read_packets(&job->source, tile);
     for (uint32_t left = tile->blocks; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
-        waiting |= ((tile->packets[place].active | tile->packets[place].single) != 0u) << place;
+        waiting |= ((tile->packets[place].active | tile->packets[place].in_double) != 0u) << place;
     }
     return waiting;
 }

@@ -229,7 +229,7 @@ MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, i
     vf longest = zero;
     uint32_t fit = 0;
     if (MLRT_UNLIKELY(packet->active != 0xFFFF)) {
-        if (packet->single) return 0; /* fill_idle_lanes must not overwrite these */
+        if (packet->in_double) return 0; /* fill_idle_lanes must not overwrite these */
         fill_idle_lanes(packet);
     }
     least[4] = least[5] = least[6] = least[7] = least[8] = least[9] = zero;

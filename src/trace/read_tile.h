@@ -32,7 +32,7 @@ static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile 
         }
         if (mlrt_is_pinhole(source)) continue;
         packet->active = lanes;
-        packet->single = 0;
+        packet->in_double = 0;
     }
 }
 

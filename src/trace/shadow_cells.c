@@ -108,7 +108,7 @@ static void set_main_axis(const struct mlrt_bundle *seen, const float from[3], c
     for (int side = 0; side < 2; ++side) d[(a + 1 + side) % 3] = seen->hulls.term[side].lo[place];
     for (int k = 0; k < 3; ++k) steepness += planes->m[k][place] * d[k];
     for (int k = 0; k < 3; ++k) x[k] = from[k] + planes->n[place] / steepness * d[k];
-    mlrt_set_main_axis(x, &lit->waist);
+    mlrt_face_waist(x, &lit->waist);
 }
 
 /* For four cells: the extremes over the hits of their corner rays. */

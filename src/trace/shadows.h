@@ -99,7 +99,7 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
     for (uint32_t left = tile.blocks & ~(dark | cells | missed); left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         make_rays_to_light(light, &tile, place);
-        waiting |= ((tile.packets[place].active | tile.packets[place].single) != 0u) << place;
+        waiting |= ((tile.packets[place].active | tile.packets[place].in_double) != 0u) << place;
         tile.made |= 1u << place;
     }
     trace_bundle(light, worker, &bundle, waiting);

@@ -30,13 +30,6 @@
 #include "simd/simd.h"
 #include "trace/bundle.h"
 
-/*
- * A stack entry has a child in its lower half, and in its upper half the bits of the distance at which the ray enters
- * it: floats that are not negative are in order as integers. All entries of one level of the tree are children of one
- * node, which has visited at least one of its children.
- */
-#define WAITING_LIMIT ((MLRT_BVH_WIDTH - 1) * MLRT_BVH_DEPTH_LIMIT + 1)
-
 /* Bytes from the start of a node to the lower, or upper, planes of its boxes along axis k. */
 MLRT_INLINE uint32_t row_of_planes(uint32_t is_upper, uint32_t k)
 {
@@ -160,6 +153,10 @@ MLRT_INLINE uint32_t order_bits(float a)
     return bits;
 }
 
+/*
+ * An entry of the stack has a child in its lower half, and in its upper half the bits of the distance at which the ray
+ * enters it: floats that are not negative are in order as integers.
+ */
 MLRT_INLINE uint64_t stack_entry(float enter, uint32_t child)
 {
     return (uint64_t)order_bits(enter) << 32 | child;

@@ -55,7 +55,7 @@ static size_t lay_out(const struct mlrt_job *job, unsigned char *memory, struct 
     const size_t size = sizeof *leaves * ((size_t)(is_kept[0] + is_kept[1]) << bits);
     if (memory) {
         struct mlrt_bundles *bundles = (struct mlrt_bundles *)(void *)(memory + size);
-        const struct mlrt_run none = {0, 0};
+        const struct mlrt_backoff none = {0, 0};
         for (int any = 0; any < 2; ++any) {
             struct mlrt_bundle_cache *cache = &bundles->caches[any];
             cache->waist = (struct mlrt_waist){.main_axis = -1};
@@ -67,8 +67,8 @@ static size_t lay_out(const struct mlrt_job *job, unsigned char *memory, struct 
             bundles->lane_tiles[any] = 0;
         }
         for (int i = 0; job->light_count && i < MLRT_KEPT_SURFACES; ++i) bundles->surfaces[i].light = NULL;
-        bundles->open_tiles = (struct mlrt_run){.left = MLRT_FIRST_OPEN_TILES};
-        bundles->open_squares = (struct mlrt_run){.left = MLRT_FIRST_OPEN_SQUARES};
+        bundles->open_tiles = (struct mlrt_backoff){.left = MLRT_FIRST_OPEN_TILES};
+        bundles->open_squares = (struct mlrt_backoff){.left = MLRT_FIRST_OPEN_SQUARES};
         bundles->parts.lone_squares = none;
         bundles->parts.waited = 0;
         worker->bundles = bundles;

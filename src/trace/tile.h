@@ -93,9 +93,9 @@ static int ends_closer(const struct mlrt_bundle *bundle)
 }
 
 /* Checks the rays of a packet that is not traced with a bundle: rule R1, and which rays float can carry. */
-static MLRT_NOINLINE void check_odd_packet(const struct mlrt_bundle_scene *scene, struct mlrt_packet *packet)
+static MLRT_NOINLINE void check_packet_outside(const struct mlrt_bundle_scene *scene, struct mlrt_packet *packet)
 {
-    const uint32_t lanes = packet->active | packet->single;
+    const uint32_t lanes = packet->active | packet->in_double;
     if (MLRT_LIKELY(scene->unit == 1)) {
         check_packet(lanes, packet);
         set_far_rays_aside(scene->reach, packet);
@@ -105,12 +105,12 @@ static MLRT_NOINLINE void check_odd_packet(const struct mlrt_bundle_scene *scene
 }
 
 /* Checks packets that are not traced with a bundle. Returns those that have active rays. */
-static uint32_t check_odd_packets(const struct mlrt_bundle *bundle, uint32_t places)
+static uint32_t check_packets_outside(const struct mlrt_bundle *bundle, uint32_t places)
 {
     uint32_t some = 0;
     for (uint32_t left = places; left; left &= left - 1) {
         struct mlrt_packet *packet = &bundle->tile->packets[mlrt_lowest_bit(left)];
-        check_odd_packet(&bundle->scene, packet);
+        check_packet_outside(&bundle->scene, packet);
         some |= packet->active ? left & (0u - left) : 0;
     }
     return some;
@@ -131,7 +131,7 @@ static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
     for (uint32_t left = places & ~bundle->state.going; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), bit = left & (0u - left);
         struct mlrt_packet *packet = &bundle->tile->packets[place];
-        check_odd_packet(&bundle->scene, packet);
+        check_packet_outside(&bundle->scene, packet);
         const int fits = packet->active && !(packet->active & ~bound_from_anywhere(bundle, place));
         if (fits && hulls_fit(bundle, bit)) {
             bundle->state.going |= bit;
@@ -204,7 +204,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     bundle->state.going = bundle->state.apexes = cells;
     bundle->has.intercepts = 1;
     if (!cells && !choose_waist(&job->tree->bvh.core, samples, sample_count, &bundle->cache->waist, &bundle->waist)) {
-        return check_odd_packets(bundle, places);
+        return check_packets_outside(bundle, places);
     }
     set_scene_depths(&job->tree->bvh, bundle);
     const int may_be_apex = cells || (memcmp(bundle->waist.point, samples[0].origin, sizeof samples[0].origin) == 0 &&
@@ -214,7 +214,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     if (!bundle->state.going) return others;
     bundle->has.intercepts = (bundle->state.going & ~bundle->state.apexes) != 0;
     finish_all_hulls(bundle);
-    bundle->state.closed = mlrt_is_in_run(&worker->bundles->open_bundles[job->any]) ? 0 : bundle->state.going;
+    bundle->state.closed = mlrt_skips_attempt(&worker->bundles->open_bundles[job->any]) ? 0 : bundle->state.going;
     bundle->state.closed |= cells;
     for (uint32_t left = bundle->state.closed & places; left; left &= left - 1) {
         if (bundle->tile->packets[mlrt_lowest_bit(left)].has.masks) bundle->state.closed &= ~(left & (0u - left));
@@ -327,13 +327,14 @@ static uint32_t trace_as_bundle(const struct mlrt_job *job, struct mlrt_worker *
     trace_going_packets(job, worker, bundle);
     if (closed) {
         const uint32_t done = (bundle->state.closed & bundle->state.going) | bundle->state.covered;
-        mlrt_note_attempt(!(done & places), MLRT_READ_RUN, MLRT_TILE_RUN, &worker->bundles->open_bundles[job->any]);
+        mlrt_note_attempt(!(done & places), MLRT_READ_BACKOFF, MLRT_TILE_BACKOFF,
+                          &worker->bundles->open_bundles[job->any]);
     }
     return others | bundle->state.set_aside;
 }
 
 /*
- * Traces the packets `places` of a tile, whose rays are as their source gave them: those that are active or single
+ * Traces the packets `places` of a tile, whose rays are as their source gave them: those that are active or in_double
  * exist. The bundle may have cells as well, which are `closed`, and rays from its waist.
  */
 static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
@@ -346,16 +347,16 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
     bundle->scene.reach = job->tree->bvh.reach;
     for (uint32_t left = places; left; left &= left - 1) {
         struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(left)];
-        packet->active |= packet->single;
-        packet->single = 0;
+        packet->active |= packet->in_double;
+        packet->in_double = 0;
         if (job->tree->bvh.node_count == 0) mlrt_fill_words(packet->nearest.triangle, MLRT_NONE);
     }
     if (job->tree->bvh.node_count == 0) return;
     if (!cells && !(places & (places - 1))) {
-        others = check_odd_packets(bundle, places);
+        others = check_packets_outside(bundle, places);
     } else if (worker->bundles->lane_tiles[job->any]) {
         --worker->bundles->lane_tiles[job->any];
-        others = check_odd_packets(bundle, places);
+        others = check_packets_outside(bundle, places);
         if (cells) others |= trace_as_bundle(job, worker, bundle, 0);
     } else {
         others = trace_as_bundle(job, worker, bundle, places);

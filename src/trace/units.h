@@ -84,15 +84,15 @@ static MLRT_NOINLINE uint32_t find_ray_scales(const struct mlrt_packet *packet, 
 
 /*
  * Sorts the rays of `lanes` that can hit something by rule R1 (segment.h): those that float carries in units become
- * active, the others single.
+ * active, the others in_double.
  */
 static MLRT_NOINLINE void check_packet_in_units(uint32_t lanes, float unit, float reach, struct mlrt_packet *packet)
 {
     struct mlrt_ray_scales scales;
     check_packet(lanes, packet);
-    const uint32_t valid = packet->active | packet->single;
+    const uint32_t valid = packet->active | packet->in_double;
     packet->active = find_ray_scales(packet, valid, unit, reach, &scales);
-    packet->single = valid & ~packet->active;
+    packet->in_double = valid & ~packet->active;
 }
 
 /* Copies the nearest hit of a lane of a packet to another one, in which t is so many times as large. */

@@ -107,7 +107,7 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
 {
     struct sample_spread of;
     if (!count) return 0;
-    mlrt_set_main_axis(samples[0].direction, waist);
+    mlrt_face_waist(samples[0].direction, waist);
     const int a = waist->main_axis;
     memcpy(waist->point, samples[0].origin, sizeof waist->point);
     int is_apex = 1;

@@ -30,7 +30,7 @@ pub const MLRT_ERROR_OUT_OF_MEMORY: i32 = 4;
 /// more triangles, rays or pixels than 32-bit counts allow
 pub const MLRT_ERROR_TOO_LARGE: i32 = 5;
 
-/// camera of size zero, crop outside it, numbers not finite, or dx and dy parallel
+/// camera of size zero, crop outside it, numbers not finite, a direction of 0 (of a parallel camera), or dx and dy parallel
 pub const MLRT_ERROR_CAMERA: i32 = 6;
 
 /// an instruction set that this machine or build does not have, or a method of the other structure (MLRT_STRUCTURE_\*)
@@ -439,7 +439,7 @@ pub struct mlrt_kdtree_options {
     pub host: *const mlrt_host,
     /// most bytes held at one time; 0 = no limit
     pub memory_limit: u64,
-    /// most leaf entries, which limits the memory; 0 = 8 per triangle + 1024
+    /// most leaf entries, at least one per triangle: at the limit nothing is split any more, so it limits the memory; 0 = 8 per triangle + 1024
     pub max_references: u64,
     /// most inner nodes above a leaf, 1..60; 0 = by the number of triangles
     pub max_depth: u32,
@@ -1125,7 +1125,8 @@ extern "C" {
     /// than 2^30 - 1 triangles in all.
     ///
     /// Memory per triangle, its own 36 bytes included: 51 to 60 bytes, and at most 136 while the tree is built (FAST: 50 to
-    /// 56 and 127, BEST: 52 to 69 and 154). Meshes of a few triangles take more, and masks take 4 bytes per triangle.
+    /// 56 and 127, BEST: 52 to 69 and 154). Flat grids take 48, meshes of a few triangles more, and masks 4 bytes per
+    /// triangle.
     /// mlrt_tree_info tells how much a tree took.
     ///
     /// Method: surface area heuristic over bins, with spatial splits (M. Stich, H. Friedrich, A. Dietrich, "Spatial Splits
@@ -1154,7 +1155,8 @@ extern "C" {
     ///   options     NULL = defaults.
     ///   estimate    receives the estimate (struct_size must be set).
     ///
-    /// Scenes of more than a few thousand triangles take 80 to 110 % of it. Only a memory_limit is sure to hold.
+    /// Scenes of more than a few thousand triangles take 80 to 110 % of it, flat grids two thirds. Only a memory_limit is
+    /// sure to hold.
     /// ```
     pub fn mlrt_estimate_tree(meshes: *const mlrt_mesh, mesh_count: usize, options: *const mlrt_tree_options, estimate: *mut mlrt_memory_estimate) -> i32;
 
@@ -1197,8 +1199,9 @@ extern "C" {
     /// ```text
     /// Computes a hash of meshes: of their ids, masks, and the corners of all triangles in order. It tells whether a saved
     /// tree is still that of the caller's meshes. It does not depend on indices, on the layout in memory, or on the machine.
+    /// Corners count bit for bit, so that 0 and -0 differ.
     ///
-    ///   meshes      as for mlrt_build_tree.
+    ///   meshes      as for mlrt_build_tree, but ids are not compared with each other.
     ///   mesh_count  the number of meshes.
     ///   hash        receives the hash.
     /// ```
@@ -1296,7 +1299,7 @@ extern "C" {
     ///   tree      the tree, whose triangles cast the shadows.
     ///   points    the points.
     ///   light     the light.
-    ///   options   NULL = defaults. Its `query` is ignored.
+    ///   options   NULL = defaults. Its `query` must be right, but is ignored.
     ///   occluded  uint8_t: element i receives 1 if something lies between point i and the light, 0 if nothing does. Its
     ///             data must not be NULL.
     ///
@@ -1316,11 +1319,11 @@ extern "C" {
     ///     side if the ray below would leave the range of float: if d' (point light) or o' (directional light) would have a
     ///     component beyond the greatest float.
     ///   - Otherwise a ray decides: for a point light at L, from o' = L along d' for 0 < t <= 1; for a directional light,
-    ///     from o' along d' = position for 0 < t. Its end L + d', or its origin o', is a point just off the hit, surely on
-    ///     the side from which the picture's ray came. It is moved off by about 2^-22 of the greatest coordinate relative to
-    ///     the eye and to the light; for slivers, and rays that nearly lie in their plane, by as many floats as it takes. So
-    ///     no triangle shades itself, nor does one in its plane or behind it. The ray sees the meshes that the picture's
-    ///     rays see (`mask`).
+    ///     from o' along d' = position (with 0 for -0) for 0 < t. Its end L + d', or its origin o', is a point just off the
+    ///     hit, surely on the side from which the picture's ray came. It is moved off by about 2^-22 of the greatest
+    ///     coordinate relative to the eye and to the light; for slivers, and rays that nearly lie in their plane, by as many
+    ///     floats as it takes. So no triangle shades itself, nor does one in its plane or behind it. The ray sees the meshes
+    ///     that the picture's rays see (`mask`).
     ///
     /// mlrt_shadow_ray computes this ray, which is the same on every machine. The answer is that of mlrt_trace_ray for it.
     ///
@@ -1332,7 +1335,8 @@ extern "C" {
     ///   faces   receives 1; or 0 if the light is on the other side, or counts as such because the ray would leave the range
     ///           of float. No ray is needed then, and *shadow has a direction of 0.
     ///
-    /// MLRT_ERROR_ARGUMENT: there is no such triangle, or the ray does not hit it.
+    /// MLRT_ERROR_ARGUMENT: there is no such triangle, or the ray does not hit it between its t_min and t_max. (What the ray
+    /// skips does not matter.)
     /// ```
     pub fn mlrt_shadow_ray(tree: *const mlrt_tree, ray: *const mlrt_ray, hit: *const mlrt_hit, light: *const mlrt_light, shadow: *mut mlrt_ray, faces: *mut i32) -> i32;
 
