@@ -31,8 +31,9 @@ static void test_no_elements_are_a_block_too(void **state)
     struct mlrt_memory memory = {.limit_size = 0};
     void *block = mlrt_allocate(&memory, 0, 8);
     assert_non_null(block);
-    assert_int_equal(memory.held_size, 0);
+    assert_int_equal(memory.held_size, 1); /* what a host is asked for */
     mlrt_free(&memory, block, 0, 8);
+    assert_int_equal(memory.held_size, 0);
 }
 
 static void test_held_and_peak_are_counted(void **state)
@@ -136,7 +137,7 @@ static void test_a_block_gives_way_to_one_of_another_size(void **state)
         size = sizes[i];
         assert_non_null(block);
         assert_int_equal((uintptr_t)block % 64, 0);
-        assert_int_equal(memory.held_size, size);
+        assert_int_equal(memory.held_size, size ? size : 1);
         memset(block, 1, size);
     }
     assert_null(mlrt_reuse(&memory, block, size, 5000001));
