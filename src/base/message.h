@@ -33,9 +33,9 @@ MLRT_FORMAT(2, 3) int32_t mlrt_fail(int32_t status, const char *format, ...);
 int32_t mlrt_fail_null(const char *names, int missing);
 
 /*
- * Writes where a value stands, and behind a colon the rest of the message. `path` names an argument, or with a "%lu" in
- * it element `index` of one; `field` is a field of it, or "" for the argument itself. With a path of "" the field is
- * the argument. Returns `status`.
+ * Writes where a value stands, and behind a colon the rest of the message: "rays.t_min: ...", or with a path that has a
+ * "%lu" for the index "meshes[2].mask: ...". Without a field ("") the path stands alone, and without a path the field.
+ * Returns `status`.
  */
 MLRT_FORMAT(5, 6)
 int32_t mlrt_fail_at(int32_t status, const char *path, size_t index, const char *field, const char *format, ...);

@@ -28,8 +28,8 @@
 #define PART_SHARE 512
 
 /*
- * The most nodes of all parts together. Above the parts there are fewer: on each of MLRT_DEPTH_LIMIT levels, cells of
- * more than PART_SIZE references with at most 2^32 of them together, which are 2^28 nodes in all.
+ * The most nodes of all parts. The rest of COUNT_LIMIT is for the levels above: each of MLRT_DEPTH_LIMIT has at most
+ * 2^32 / PART_SIZE cells, so all have fewer than 2^28 nodes.
  */
 #define PART_NODE_LIMIT (COUNT_LIMIT / 2)
 

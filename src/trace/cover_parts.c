@@ -2,7 +2,8 @@
 /*
  * Covers of several triangles. Each triangle that hides a cell in part adds its open edges to the cell: those inside of
  * which not all rays are known to pass. A new triangle whose open edges are all edges of others, too, may be the last
- * part of a cover. It is if triangles are left when, over and over, each is dropped that has an open edge of its own.
+ * part of a cover. The cover is complete if something remains after this: drop each triangle that has an open edge
+ * which no other one has, and repeat that until none is dropped.
  */
 #include "trace/cover_parts.h"
 

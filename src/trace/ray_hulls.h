@@ -81,24 +81,33 @@ static MLRT_NOINLINE void update_last_depths(struct mlrt_bundle *bundle, uint32_
     }
 }
 
-/*
- * Stores the extremes over the rays of a packet in its hull. `least` has the least of, in this order: slopes (two of
- * each), -slopes, intercepts, -intercepts; the depth of the begin, and its negative; the negative of the depth of the
- * end, and that depth.
- */
-MLRT_INLINE void keep_extremes(const float least[12], uint32_t place, struct mlrt_hulls *hulls)
+/* What is least over the rays of a packet; two numbers, along j and l, of slopes and intercepts. */
+enum least_term {
+    LEAST_SLOPE_TERM,
+    LEAST_MINUS_SLOPE = 2,
+    LEAST_INTERCEPT = 4,
+    LEAST_MINUS_INTERCEPT = 6,
+    LEAST_FIRST = 8, /* the depth at which a ray begins */
+    LEAST_MINUS_FIRST,
+    LEAST_MINUS_LAST, /* that at which it ends, at the latest */
+    LEAST_LAST,       /* at the earliest, if it has a hit: between lo and hi */
+    LEAST_TERMS
+};
+
+/* Stores these numbers of a packet in its hull. */
+MLRT_INLINE void keep_extremes(const float least[LEAST_TERMS], uint32_t place, struct mlrt_hulls *hulls)
 {
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
-        hulls->term[MLRT_SLOPE_J + i].lo[place] = least[i];
-        hulls->term[MLRT_SLOPE_J + i].hi[place] = -least[2 + i];
-        hulls->term[MLRT_INTERCEPT_J + i].lo[place] = least[4 + i];
-        hulls->term[MLRT_INTERCEPT_J + i].hi[place] = 0 - least[6 + i];
+        hulls->term[MLRT_SLOPE_J + i].lo[place] = least[LEAST_SLOPE_TERM + i];
+        hulls->term[MLRT_SLOPE_J + i].hi[place] = -least[LEAST_MINUS_SLOPE + i];
+        hulls->term[MLRT_INTERCEPT_J + i].lo[place] = least[LEAST_INTERCEPT + i];
+        hulls->term[MLRT_INTERCEPT_J + i].hi[place] = 0 - least[LEAST_MINUS_INTERCEPT + i];
     }
-    hulls->first[place] = least[8];
-    hulls->closed.common_first[place] = -least[9];
-    hulls->last[place] = -least[10];
-    hulls->closed.common_last[place] = least[11];
+    hulls->first[place] = least[LEAST_FIRST];
+    hulls->closed.common_first[place] = -least[LEAST_MINUS_FIRST];
+    hulls->last[place] = -least[LEAST_MINUS_LAST];
+    hulls->closed.common_last[place] = least[LEAST_LAST];
 }
 
 /* Bounds a packet again, by the rays that are still active. */
@@ -107,8 +116,8 @@ static MLRT_NOINLINE void bound_packet(struct mlrt_bundle *bundle, uint32_t plac
     const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     const uint32_t active = bundle->tile->packets[place].active;
     const vf inf = v_set1(INFINITY);
-    vf least[12];
-    for (int i = 0; i < 12; ++i) least[i] = inf;
+    vf least[LEAST_TERMS];
+    for (int i = 0; i < LEAST_TERMS; ++i) least[i] = inf;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         static const int term[4] = {MLRT_SLOPE_J, MLRT_SLOPE_L, MLRT_INTERCEPT_J, MLRT_INTERCEPT_L};
         const vm lanes = m_from_bits(active >> v);
@@ -116,19 +125,21 @@ static MLRT_NOINLINE void bound_packet(struct mlrt_bundle *bundle, uint32_t plac
         MLRT_UNROLL
         for (int i = 0; i < 4; ++i) {
             const vf value = i < 2 || bundle->has.intercepts ? v_load(rays->term[term[i]] + v) : zero;
-            const int at = (i & 2) * 2 + (i & 1);
+            const int at = (i < 2 ? LEAST_SLOPE_TERM : LEAST_INTERCEPT) + (i & 1);
             least[at] = v_min(v_select(lanes, value, inf), least[at]);
             least[at + 2] = v_min(v_select(lanes, v_sub(zero, value), inf), least[at + 2]);
         }
         const vf first = v_sub(v_load(rays->begin + v), to_waist);
-        least[8] = v_min(v_select(lanes, first, inf), least[8]);
-        least[9] = v_min(v_select(lanes, v_sub(zero, first), inf), least[9]);
-        least[10] = v_min(v_select(lanes, v_sub(to_waist, v_load(rays->hi + v)), inf), least[10]);
-        least[11] = v_min(v_select(lanes, v_sub(v_load(rays->lo + v), to_waist), inf), least[11]);
+        least[LEAST_FIRST] = v_min(v_select(lanes, first, inf), least[LEAST_FIRST]);
+        least[LEAST_MINUS_FIRST] = v_min(v_select(lanes, v_sub(zero, first), inf), least[LEAST_MINUS_FIRST]);
+        least[LEAST_MINUS_LAST] =
+            v_min(v_select(lanes, v_sub(to_waist, v_load(rays->hi + v)), inf), least[LEAST_MINUS_LAST]);
+        least[LEAST_LAST] = v_min(v_select(lanes, v_sub(v_load(rays->lo + v), to_waist), inf), least[LEAST_LAST]);
     }
-    MLRT_ALIGNED(16) float of[12];
+    MLRT_ALIGNED(16) float of[LEAST_TERMS];
     MLRT_UNROLL
-    for (int i = 0; i < 12; i += 4) f4_store(of + i, v_hmin4(least[i], least[i + 1], least[i + 2], least[i + 3]));
+    for (int i = 0; i < LEAST_TERMS; i += 4)
+        f4_store(of + i, v_hmin4(least[i], least[i + 1], least[i + 2], least[i + 3]));
     keep_extremes(of, place, &bundle->hulls);
 }
 
@@ -225,15 +236,15 @@ MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, i
     struct mlrt_hulls *hulls = &bundle->hulls;
     const int has_ends = packet->has.limits || packet->t_max[0] != INFINITY;
     const vf unit = v_set1(bundle->scene.unit), zero = v_set1(0);
-    vf least[12]; /* as in keep_extremes */
+    vf least[LEAST_TERMS];
     vf longest = zero;
     uint32_t fit = 0;
     if (MLRT_UNLIKELY(packet->active != 0xFFFF)) {
         if (packet->in_double) return 0; /* fill_idle_lanes must not overwrite these */
         fill_idle_lanes(packet);
     }
-    least[4] = least[5] = least[6] = least[7] = least[8] = least[9] = zero;
-    least[10] = v_set1(-INFINITY), least[11] = v_set1(INFINITY);
+    for (int i = LEAST_INTERCEPT; i <= LEAST_MINUS_FIRST; ++i) least[i] = zero;
+    least[LEAST_MINUS_LAST] = v_set1(-INFINITY), least[LEAST_LAST] = v_set1(INFINITY);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         struct given_rays rays;
         load_given_rays(bundle, packet, has_intercepts, v, &rays);
@@ -242,12 +253,12 @@ MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, i
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             term[i] = v_mul(rays.across[i], inverse);
-            take_least(term[i], v, &least[i]);
-            take_least(v_sub(zero, term[i]), v, &least[2 + i]);
+            take_least(term[i], v, &least[LEAST_SLOPE_TERM + i]);
+            take_least(v_sub(zero, term[i]), v, &least[LEAST_MINUS_SLOPE + i]);
             if (!has_intercepts) continue;
             term[2 + i] = v_sub(rays.from_waist[1 + i], v_mul(term[i], rays.from_waist[0]));
-            take_least(term[2 + i], v, &least[4 + i]);
-            take_least(v_sub(zero, term[2 + i]), v, &least[6 + i]);
+            take_least(term[2 + i], v, &least[LEAST_INTERCEPT + i]);
+            take_least(v_sub(zero, term[2 + i]), v, &least[LEAST_MINUS_INTERCEPT + i]);
         }
         /* If an intercept, or a slope, is infinite or a NaN, so is the sum. */
         const vf sum = has_intercepts ? v_add(v_abs(term[2]), v_abs(term[3])) : v_add(v_abs(term[0]), v_abs(term[1]));
@@ -265,17 +276,18 @@ MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, i
         if (has_ends) {
             const vf t_max = v_load(packet->t_max + v), last = v_mul_add(t_max, pace, rays.from_waist[0]);
             fits = m_and(fits, v_gt(t_max, zero));
-            take_least(v_sub(zero, last), v, &least[10]);
-            take_least(last, v, &least[11]);
+            take_least(v_sub(zero, last), v, &least[LEAST_MINUS_LAST]);
+            take_least(last, v, &least[LEAST_LAST]);
         }
-        take_least(first, v, &least[8]);
-        take_least(v_sub(zero, first), v, &least[9]);
+        take_least(first, v, &least[LEAST_FIRST]);
+        take_least(v_sub(zero, first), v, &least[LEAST_MINUS_FIRST]);
         fit |= m_bits(fits) << v;
     }
-    MLRT_ALIGNED(16) float of[12] = {0};
+    MLRT_ALIGNED(16) float of[LEAST_TERMS] = {0};
     MLRT_UNROLL
-    for (int i = 0; i < 12; i += 4) {
-        if (has_intercepts || i != 4) f4_store(of + i, v_hmin4(least[i], least[i + 1], least[i + 2], least[i + 3]));
+    for (int i = 0; i < LEAST_TERMS; i += 4) {
+        if (has_intercepts || i != LEAST_INTERCEPT)
+            f4_store(of + i, v_hmin4(least[i], least[i + 1], least[i + 2], least[i + 3]));
     }
     hulls->begin[place] = packet->has.limits ? v_hmax(longest) : 0;
     keep_extremes(of, place, hulls);

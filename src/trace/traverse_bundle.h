@@ -87,9 +87,8 @@ static MLRT_NOINLINE void update_bundle(struct mlrt_bundle *bundle, uint32_t pla
 }
 
 /*
- * Returns one half of the active rays of a packet: those below the middle, along the side where they are farthest
- * apart.
- * 0 if all are in one place. `depth` is where rays are compared.
+ * Halves the active rays of a packet at the middle of the side along which they spread most at this depth. Returns one
+ * half, or 0 if all are in one place.
  */
 static uint32_t find_half(const struct mlrt_bundle *bundle, uint32_t place, float depth)
 {
