@@ -162,47 +162,84 @@ static void draw_whole_point(struct random *random, uint32_t greatest, float poi
     for (int k = 0; k < 3; k++) point[k] = (float)draw_below(random, 2 * greatest + 1) - (float)greatest;
 }
 
+/* Triangles whose corners are whole numbers, most of them across an axis: flat[i], or 3. */
+enum { WHOLE_TRIANGLES = 300, LANE_RAYS = 512 * 256 };
+
+static void draw_whole_triangles(struct random *random, float (*corner)[3][3], uint32_t *flat)
+{
+    for (int i = 0; i < WHOLE_TRIANGLES; i++) {
+        float middle[3];
+        flat[i] = draw_below(random, 4);
+        draw_whole_point(random, 30, middle);
+        for (int j = 0; j < 3; j++) {
+            draw_whole_point(random, 2, corner[i][j]);
+            for (int k = 0; k < 3; k++) corner[i][j][k] += middle[k];
+            if (flat[i] < 3) corner[i][j][flat[i]] = corner[i][0][flat[i]];
+        }
+    }
+}
+
+static struct fixture fixture_of_corners(const char *name, uint64_t seed, float (*corner)[3][3])
+{
+    struct soup soup = {0};
+    for (int i = 0; i < WHOLE_TRIANGLES; i++) soup_add_triangle(&soup, corner[i][0], corner[i][1], corner[i][2]);
+    return fixture_of_soup(name, seed, &soup);
+}
+
+/* Where the ray of a lane lies if packets are 4x4 rays of rows of 16. */
+static size_t ray_of_lane(size_t packet, size_t lane)
+{
+    return packet / 4 * 64 + packet % 4 * 4 + lane / 4 * 16 + lane % 4;
+}
+
+/* The first of eight tiles has random rays, so that the others go lane by lane. */
+static int has_random_rays(size_t packet)
+{
+    return packet / 16 % 8 == 0;
+}
+
+/* Compares LANE_RAYS rays as tiles with the same rays one by one. */
+static void check_lanes_of_tiles(const mlrt_tree *tree, const mlrt_rays *rays)
+{
+    static uint32_t expected[LANE_RAYS], found[LANE_RAYS];
+    mlrt_trace_options options = {.struct_size = sizeof options, .method = MLRT_METHOD_RAY};
+    mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {expected, 0, 0}};
+    assert_int_equal(mlrt_trace_packet(tree, rays, &options, &hits), MLRT_OK);
+    hits.triangle.data = found;
+    options.method = MLRT_METHOD_TILE;
+    for (options.isa = MLRT_ISA_SCALAR; options.isa <= MLRT_ISA_NEON; options.isa++) {
+        if (!isa_is_supported(options.isa)) continue;
+        assert_int_equal(mlrt_trace_packet(tree, rays, &options, &hits), MLRT_OK);
+        assert_memory_equal(found, expected, sizeof expected);
+    }
+}
+
 /*
  * Packets of one ray each, through a corner or the middle of an edge: what bounds all lanes bounds nothing but this
- * ray, and must not be rounded past it. The first of eight tiles has random rays, so that the others go lane by lane.
+ * ray, and must not be rounded past it.
  */
 static void packets_of_one_ray(void **state)
 {
     (void)state;
-    enum { TRIANGLES = 300, RAYS = 512 * 256 };
-    static float origins[RAYS][3], directions[RAYS][3], corner[TRIANGLES][3][3];
-    static uint32_t expected[RAYS], found[RAYS];
+    static float origins[LANE_RAYS][3], directions[LANE_RAYS][3], corner[WHOLE_TRIANGLES][3][3];
+    static uint32_t flat[WHOLE_TRIANGLES];
     const mlrt_rays rays = {.struct_size = sizeof rays,
                             .row_length = 16,
-                            .count = RAYS,
+                            .count = LANE_RAYS,
                             .origins = {origins, 0},
                             .directions = {directions, 0}};
     for (uint64_t seed = 0; seed < 2 + scaled(2); seed++) {
         struct random random = {160 + seed};
-        struct soup soup = {0};
-        mlrt_trace_options options = {.struct_size = sizeof options, .method = MLRT_METHOD_RAY};
-        mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {expected, 0, 0}};
-        for (int i = 0; i < TRIANGLES; i++) {
-            const uint32_t flat = draw_below(&random, 4); /* an axis, mostly */
-            float middle[3];
-            draw_whole_point(&random, 30, middle);
-            for (int j = 0; j < 3; j++) {
-                draw_whole_point(&random, 2, corner[i][j]);
-                for (int k = 0; k < 3; k++) corner[i][j][k] += middle[k];
-                if (flat < 3) corner[i][j][flat] = corner[i][0][flat];
-            }
-            soup_add_triangle(&soup, corner[i][0], corner[i][1], corner[i][2]);
-        }
-        struct fixture fixture = fixture_of_soup("whole numbers", seed, &soup);
-        for (size_t packet = 0; packet < RAYS / 16; packet++) {
-            const size_t first = packet / 4 * 64 + packet % 4 * 4; /* its rays are 4x4 of rows of 16 */
-            float(*const of)[3] = corner[draw_below(&random, TRIANGLES)];
+        draw_whole_triangles(&random, corner, flat);
+        struct fixture fixture = fixture_of_corners("whole numbers", seed, corner);
+        for (size_t packet = 0; packet < LANE_RAYS / 16; packet++) {
+            float(*const of)[3] = corner[draw_below(&random, WHOLE_TRIANGLES)];
             const uint32_t j = draw_below(&random, 3), other = draw_below(&random, 2) ? j : (j + 1) % 3;
             float origin[3];
             draw_whole_point(&random, 30, origin);
             for (size_t lane = 0; lane < 16; lane++) {
-                const size_t i = first + lane / 4 * 16 + lane % 4;
-                if (packet / 16 % 8 == 0) {
+                const size_t i = ray_of_lane(packet, lane);
+                if (has_random_rays(packet)) {
                     draw_point(&random, -30, 30, origins[i]);
                     draw_point(&random, -1, 1, directions[i]);
                     continue;
@@ -213,14 +250,80 @@ static void packets_of_one_ray(void **state)
                 }
             }
         }
-        assert_int_equal(mlrt_trace_packet(fixture.tree, &rays, &options, &hits), MLRT_OK);
-        hits.triangle.data = found;
-        options.method = MLRT_METHOD_TILE;
-        for (options.isa = MLRT_ISA_SCALAR; options.isa <= MLRT_ISA_NEON; options.isa++) {
-            if (!isa_is_supported(options.isa)) continue;
-            assert_int_equal(mlrt_trace_packet(fixture.tree, &rays, &options, &hits), MLRT_OK);
-            assert_memory_equal(found, expected, sizeof expected);
+        check_lanes_of_tiles(fixture.tree, &rays);
+        free_fixture(&fixture);
+    }
+}
+
+/* One coordinate of a ray that ends behind a plane, by less than the roundings of where it ends. */
+struct short_end {
+    float origin;
+    float direction;
+    float t_max;
+};
+
+/*
+ * Draws a ray from far away that reaches a plane although origin + t_max * direction, in float, lies before it. This
+ * needs a plane that is nearly 2^-7 beside a whole number: products are rounded to multiples of 2^-6.
+ */
+static struct short_end draw_short_end(struct random *random, float plane)
+{
+    for (;;) {
+        const float side = draw_below(random, 2) ? 1 : -1;
+        struct short_end ray = {side * draw_range(random, 0x1p17f, 0x1.1p17f), -side * draw_range(random, 0.5f, 2), 0};
+        ray.t_max = (plane - ray.origin) / ray.direction;
+        const volatile float way = ray.t_max * ray.direction, end = ray.origin + way;
+        const double exact = ray.origin + (double)ray.t_max * ray.direction;
+        if ((exact - plane) * side <= 0 && (end - plane) * side > 0) return ray;
+    }
+}
+
+/*
+ * Packets of one ray each but for one lane, which goes the other way along one axis: so the rays are bounded there by
+ * where they end. Computed with roundings, they end before the triangle that they hit, by a share of a float.
+ */
+static void packets_that_end_at_a_triangle(void **state)
+{
+    (void)state;
+    static float origins[LANE_RAYS][3], directions[LANE_RAYS][3], t_max[LANE_RAYS], corner[WHOLE_TRIANGLES][3][3];
+    static uint32_t flat[WHOLE_TRIANGLES];
+    const mlrt_rays rays = {.struct_size = sizeof rays,
+                            .row_length = 16,
+                            .count = LANE_RAYS,
+                            .origins = {origins, 0},
+                            .directions = {directions, 0},
+                            .t_max = {t_max, 0}};
+    for (uint64_t seed = 0; seed < 1 + scaled(1); seed++) {
+        struct random random = {170 + seed};
+        draw_whole_triangles(&random, corner, flat);
+        for (int i = 0; i < WHOLE_TRIANGLES; i++) {
+            const float moved = draw_below(&random, 2) ? 0x1.ep-8f : -0x1.ep-8f;
+            for (int j = 0; j < 3 && flat[i] < 3; j++) corner[i][j][flat[i]] += moved;
         }
+        struct fixture fixture = fixture_of_corners("moved whole numbers", seed, corner);
+        for (size_t packet = 0; packet < LANE_RAYS / 16; packet++) {
+            uint32_t triangle = draw_below(&random, WHOLE_TRIANGLES);
+            while (flat[triangle] == 3) triangle = draw_below(&random, WHOLE_TRIANGLES);
+            float(*const of)[3] = corner[triangle], origin[3], direction[3];
+            const uint32_t axis = flat[triangle];
+            const struct short_end along = draw_short_end(&random, of[0][axis]);
+            draw_whole_point(&random, 30, origin);
+            for (int k = 0; k < 3; k++) {
+                direction[k] = ((of[0][k] + of[1][k] + of[2][k]) / 3 - origin[k]) / along.t_max;
+            }
+            origin[axis] = along.origin;
+            direction[axis] = along.direction;
+            for (size_t lane = 0; lane < 16; lane++) {
+                const size_t i = ray_of_lane(packet, lane);
+                t_max[i] = has_random_rays(packet) ? 100 : along.t_max;
+                for (int k = 0; k < 3; k++) origins[i][k] = origin[k], directions[i][k] = direction[k];
+                if (lane == packet % 16) directions[i][axis] *= -1;
+                if (!has_random_rays(packet)) continue;
+                draw_point(&random, -30, 30, origins[i]);
+                draw_point(&random, -1, 1, directions[i]);
+            }
+        }
+        check_lanes_of_tiles(fixture.tree, &rays);
         free_fixture(&fixture);
     }
 }
@@ -894,6 +997,7 @@ int main(void)
         cmocka_unit_test(triangles_around_one_point),
         cmocka_unit_test(the_room),
         cmocka_unit_test(packets_of_one_ray),
+        cmocka_unit_test(packets_that_end_at_a_triangle),
         cmocka_unit_test(the_office),
         cmocka_unit_test(the_scan),
         cmocka_unit_test(every_preset_and_rule),

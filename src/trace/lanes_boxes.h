@@ -9,10 +9,12 @@
  * Along an axis where the signs of all directions agree, the hull is the intervals of origins and of reciprocals: the
  * product of a difference and a reciprocal lies between those of the intervals' ends, and roundings are monotone. Along
  * another axis, the hull is the interval of all coordinates on the rays, from o to e = o + t d for the t where they
- * end, or everything if they do not end. As computed, t d is off by 1.001 u of itself, so of |o| + |e|, and by 2^-150,
- * and the sum by u |e|. So e is moved outward by 4 u (|o| + |e|) + 2^-126. This also covers the rounding of the moved
- * end, u of itself. If e is infinite, the sum or the difference is a NaN, which v_min and v_max drop: then o is the
- * end, which is right.
+ * end, or everything if they do not end. As computed, t d is off by 1.001 u of itself, so of |o| + |e|, and the sum by
+ * u |e|. So e is moved outward by 4 u (|o| + |e|). This also covers the rounding of the moved end, u of itself.
+ * Underflow needs no room: let a ray reach a plane at c, so that c - o <= t d. If |t d| < 2^-125, then c - o, a multiple
+ * of 2^-149, is a float or less than all products that are as small. Roundings are monotone: c - o is at most t d as
+ * computed, and so c at most e. If e is infinite, the sum or the difference is a NaN, which v_min and v_max drop: then
+ * o is the end, which is right.
  */
 #ifndef MLRT_TRACE_LANES_BOXES_H
 #define MLRT_TRACE_LANES_BOXES_H
@@ -79,7 +81,7 @@ MLRT_INLINE void bound_along(const struct mlrt_packet *packet, uint32_t lanes, i
         const vm among = m_from_bits(lanes >> v);
         const vf origin = v_load(packet->origin[k] + v), d = v_load(packet->direction[k] + v);
         const vf end = v_add(origin, v_mul(v_min(v_load(packet->nearest.hi + v), v_set1(FLT_MAX)), d));
-        const vf slack = v_mul_add(v_add(v_abs(origin), v_abs(end)), v_set1(0x1p-22f), v_set1(0x1p-126f));
+        const vf slack = v_mul(v_add(v_abs(origin), v_abs(end)), v_set1(0x1p-22f));
         lo = v_min(v_select(among, v_min(v_sub(end, slack), origin), v_set1(INFINITY)), lo);
         hi = v_max(v_select(among, v_max(v_add(end, slack), origin), v_set1(-INFINITY)), hi);
     }
