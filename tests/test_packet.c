@@ -328,6 +328,57 @@ static void packets_that_end_at_a_triangle(void **state)
     }
 }
 
+/*
+ * Tiles of parallel rays that begin before walls, by less than float tells apart at their waist, which is in the middle
+ * of a deep scene. Walls lie closer together than that as well. A hit must not end a ray before a nearer wall.
+ */
+static void walls_close_to_origins(void **state)
+{
+    (void)state;
+    enum { WALLS = 1000 };
+    static float origins[LANE_RAYS][3], directions[LANE_RAYS][3];
+    const float level = 1.5f * 0x1p-14f, step = 0x1p-20f; /* depths at the waist are multiples of 2^-14 */
+    const mlrt_rays rays = {.struct_size = sizeof rays,
+                            .row_length = 16,
+                            .count = LANE_RAYS,
+                            .origins = {origins, 0},
+                            .directions = {directions, 0}};
+    for (uint64_t seed = 0; seed < 1 + scaled(1); seed++) {
+        struct random random = {180 + seed};
+        struct soup soup = {0};
+        soup_add_triangle(&soup, (float[]){0, 0, 1200}, (float[]){1, 0, 1200}, (float[]){0, 1, 1200});
+        for (int i = 0; i < WALLS; i++) {
+            const float z = level + step * (float)(1 + draw_below(&random, 8)), size = draw_range(&random, 0.0625f, 2);
+            float corner[3][3], middle[3];
+            draw_point(&random, 0, 16, middle);
+            for (int j = 0; j < 3; j++) {
+                draw_point(&random, -size, size, corner[j]);
+                for (int k = 0; k < 2; k++) corner[j][k] += middle[k];
+                corner[j][2] = z;
+            }
+            soup_add_triangle(&soup, corner[0], corner[1], corner[2]);
+        }
+        struct fixture fixture = fixture_of_soup("walls", seed, &soup);
+        for (size_t tile = 0; tile < LANE_RAYS / 256; tile++) {
+            const float apart = draw_range(&random, 0.0625f, 0.5f);
+            const float z = level - step * (float)(1 + draw_below(&random, 8));
+            float corner[3], direction[3];
+            draw_point(&random, 0, 16 - 8 * apart, corner);
+            draw_point(&random, -0.25f, 0.25f, direction);
+            for (size_t i = 256 * tile; i < 256 * tile + 256; i++) {
+                for (int k = 0; k < 2; k++) {
+                    origins[i][k] = corner[k] + apart * (float)(k ? i / 16 % 16 : i % 16);
+                    directions[i][k] = direction[k];
+                }
+                origins[i][2] = z;
+                directions[i][2] = 1;
+            }
+        }
+        check_lanes_of_tiles(fixture.tree, &rays);
+        free_fixture(&fixture);
+    }
+}
+
 /* Rays that are not alike are slow in a large scene: a few of them, and a picture. */
 static void the_office(void **state)
 {
@@ -998,6 +1049,7 @@ int main(void)
         cmocka_unit_test(the_room),
         cmocka_unit_test(packets_of_one_ray),
         cmocka_unit_test(packets_that_end_at_a_triangle),
+        cmocka_unit_test(walls_close_to_origins),
         cmocka_unit_test(the_office),
         cmocka_unit_test(the_scan),
         cmocka_unit_test(every_preset_and_rule),
