@@ -40,7 +40,7 @@
 #define INTERCEPT_ERROR (4 * 0x1p-24f)
 #define INTERCEPT_FLOOR 0x1p-110f
 
-/* Slopes, intercepts and depths of hulls are moved apart by this as well: underflow loses less. */
+/* Slopes and depths of hulls are moved apart by this as well: underflow loses less. */
 #define HULL_FLOOR 0x1p-110f
 
 /* Intercepts add this times X R rho to the bound of an edge function, and their own error times R rho (L5, leaf.h). */
@@ -475,8 +475,8 @@ MLRT_INLINE void product_over_hull(const vf *middle, const vf *radius, vf *of_mo
  * Makes the hulls of the vector of packets from `v` on, from the extremes of their rays (keep_extremes).
  *
  * Middles and radii need no floor (L10): underflow loses less than 2^-148 of a term, coefficients are at most 2^21, and
- * the bound of an edge function has 0.9 u R to spare. The ends of slopes and intercepts need HULL_FLOOR: they are
- * compared with boxes, which may be as near as a denormal.
+ * the bound of an edge function has 0.9 u R to spare. The ends of slopes need HULL_FLOOR, and those of intercepts
+ * INTERCEPT_FLOOR: they are compared with boxes, which may be as near as a denormal.
  */
 static MLRT_NOINLINE void finish_hulls(struct mlrt_bundle *bundle, int v)
 {
@@ -506,12 +506,12 @@ static MLRT_NOINLINE void finish_hulls(struct mlrt_bundle *bundle, int v)
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v), slack = v_set1(SLOPE_SLACK);
-        const vf floor = v_set1(HULL_FLOOR), blur = v_add(error, floor);
+        const vf floor = v_set1(HULL_FLOOR);
         v_store(hulls->slope[i].lo + v, v_select(going, v_sub(lo, v_mul_add(v_abs(lo), slack, floor)), inf));
         v_store(hulls->slope[i].hi + v, v_select(going, v_add(hi, v_mul_add(v_abs(hi), slack, floor)), none));
         const vf from = v_load(hulls->term[2 + i].lo + v), to = v_load(hulls->term[2 + i].hi + v);
-        v_store(hulls->intercept[i].lo + v, v_select(going, v_sub(from, v_mul_add(v_abs(from), slack, blur)), inf));
-        v_store(hulls->intercept[i].hi + v, v_select(going, v_add(to, v_mul_add(v_abs(to), slack, blur)), none));
+        v_store(hulls->intercept[i].lo + v, v_select(going, v_sub(from, v_mul_add(v_abs(from), slack, error)), inf));
+        v_store(hulls->intercept[i].hi + v, v_select(going, v_add(to, v_mul_add(v_abs(to), slack, error)), none));
     }
 }
 
