@@ -18,7 +18,8 @@
  * ROUNDING, u = 2^-24. p_j and z have one rounding each, 1 / z and the product two more: lo and hi of fans are off by
  * 4 u of themselves, and are moved apart by SLOPE_SLACK, which is 16 u. p_j - t z is off by 4 u (|p_j| + |t z|), and
  * is moved by 16 u of that. Weights have at most two roundings, and are made larger by 16 u. Slopes and intercepts of
- * hulls are moved apart by 16 u of themselves and HULL_FLOOR, too (ray_hulls.h): this covers the roundings of the sums.
+ * hulls are moved apart by 16 u of themselves and HULL_FLOOR or INTERCEPT_FLOOR, too (ray_hulls.h): this covers the
+ * roundings of the sums.
  *
  * RANGE. |p_j| is at most 2^61. A fan's |z| is more than 2^-60, so p_j / z is less than 2^122. An infinite end would
  * become a NaN when it is moved by a share of itself; and as no comparison with a NaN is true, the triangle would be
