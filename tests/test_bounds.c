@@ -275,7 +275,7 @@ static void find_d_and_n(mpf_t d, mpf_t n)
 struct filtered {
     struct triangle_terms terms;
     float size[4];
-    float reach; /* R */
+    float direction_size; /* R */
     float direction[3];
 };
 
@@ -283,12 +283,12 @@ static void choose_axis(const float *input, struct ray_group *group)
 {
     const uint32_t choice = bits_of(input[15]) % 8;
     memset(group, 0, sizeof *group);
-    for (int k = 0; k < 3; ++k) group->axis[k].reach = fabsf(input[12 + k]);
+    for (int k = 0; k < 3; ++k) group->axis[k].largest = fabsf(input[12 + k]);
     set_main_axis(group);
     if (choice > 2) return;
-    const float others = fmaxf(group->axis[(choice + 1) % 3].reach, group->axis[(choice + 2) % 3].reach);
+    const float others = fmaxf(group->axis[(choice + 1) % 3].largest, group->axis[(choice + 2) % 3].largest);
     group->axis_code = choice;
-    group->reach = fmaxf(group->axis[choice].reach, 2 * others);
+    group->direction_size = fmaxf(group->axis[choice].largest, 2 * others);
 }
 
 /* Both ways to the terms: of rays with different origins, and of rays with a common one. */
@@ -298,7 +298,7 @@ static void find_terms(const float *input, int shared, struct filtered *filtered
     struct ray_group group;
     load_triangle(input, &triangle);
     choose_axis(input, &group);
-    filtered->reach = group.reach;
+    filtered->direction_size = group.direction_size;
     memcpy(filtered->direction, input + 12, sizeof filtered->direction);
     if (shared) {
         struct mlrt_triangle_setup setup = {.main_axis = group.axis_code};
@@ -355,7 +355,7 @@ static double attack_edge(const float *input, int is_small)
             if (is_small != (filtered.size[i] < 0x1p-90f)) continue;
             find_scaled_edge(&filtered, i, truth);
             const float value = dot_product(filtered.direction, filtered.terms.cross[i]);
-            worst = fmax(worst, error_over(truth, value, EDGE_BOUND * filtered.reach));
+            worst = fmax(worst, error_over(truth, value, EDGE_BOUND * filtered.direction_size));
         }
     }
     return worst;
@@ -387,7 +387,7 @@ static struct verdict decide(const struct filtered *filtered, float t_min, float
     packet.nearest.lo[0] = lo;
     packet.nearest.hi[0] = hi;
     packet.nearest.triangle[0] = MLRT_NONE;
-    return filter_vector(&filtered->terms, filtered->reach, &packet, 0, m_from_bits(1));
+    return filter_vector(&filtered->terms, filtered->direction_size, &packet, 0, m_from_bits(1));
 }
 
 /* The decisions on edges, of both ways. */
@@ -415,7 +415,7 @@ static double attack_filter_inside(const float *input)
         for (int i = 0; i < 3; ++i) {
             find_edge(i, truth);
             const float value = dot_product(filtered.direction, filtered.terms.cross[i]);
-            worst = fmax(worst, sign_over(truth, value, EDGE_BOUND * filtered.reach));
+            worst = fmax(worst, sign_over(truth, value, EDGE_BOUND * filtered.direction_size));
         }
     }
     return worst;
@@ -443,7 +443,7 @@ static double attack_filter_facing(const float *input)
         put_inside(&filtered);
         filtered.terms.distance_bound = 0;
         const float value = dot_product(filtered.direction, filtered.terms.cross[3]);
-        worst = fmax(worst, sign_over(truth, value, PLANE_BOUND * filtered.reach));
+        worst = fmax(worst, sign_over(truth, value, PLANE_BOUND * filtered.direction_size));
         if (value == 0 || mpf_sgn(truth) == (value > 0 ? 1 : -1)) continue;
         for (int sign = -1; sign <= 1; sign += 2) {
             filtered.terms.distance = (float)sign;
@@ -547,7 +547,7 @@ static double attack_ends(const float *input, enum quantity quantity, int tiny)
             memset(filtered.direction, 0, sizeof filtered.direction);
             filtered.direction[0] = 1;
             terms->cross[3][0] = terms->distance > 0 ? 1 : -1;
-            filtered.reach = 0;
+            filtered.direction_size = 0;
         }
         if (mpf_sgn(other_truth) == 0) continue;
         mpf_div(truth, truth, other_truth);
@@ -606,14 +606,14 @@ static int load_single(const float *input, int is_any, struct float_test *test)
     static struct lanes_search search;
     vf term[SIDE_TERMS], to[3], d[3];
     double direction[3];
-    search.reach = 0;
+    search.direction_limit = 0;
     for (int k = 0; k < 3; ++k) {
         search.origin[k] = input[9 + k];
         d[k] = input[12 + k];
-        search.reach = fmaxf(4 * fabsf(input[12 + k]), search.reach);
+        search.direction_limit = fmaxf(4 * fabsf(input[12 + k]), search.direction_limit);
     }
     set_sides(input, 1, term);
-    set_side_sizes(search.reach, term);
+    set_side_sizes(search.direction_limit, term);
     for (int k = 0; k < 3; ++k) to[k] = term[k] - search.origin[k];
     set_edges(term, to, d, test);
     set_edge_bound(term, to, test);
@@ -746,11 +746,11 @@ static double attack_single_reach(const float *input)
     struct triangles_from_origin of;
     struct float_test test;
     if (!load_single(input, 1, &test)) return -1;
-    search.reach = 0;
+    search.direction_limit = 0;
     for (int k = 0; k < 3; ++k) {
         search.origin[k] = input[9 + k];
         search.hull.direction_lo[k] = search.hull.direction_hi[k] = input[12 + k];
-        search.reach = fmaxf(4 * fabsf(input[12 + k]), search.reach);
+        search.direction_limit = fmaxf(4 * fabsf(input[12 + k]), search.direction_limit);
     }
     const double n = fabs((double)test.distance), d = (double)v_flip(test.determinant, test.distance);
     uint32_t left_out = 0,
@@ -809,7 +809,7 @@ static double attack_fixed_tolerance(const float *input)
     double direction[3];
     find_terms(input, 0, &filtered);
     const float determinant = dot_product(filtered.direction, filtered.terms.cross[3]);
-    assert_true(fabsf(determinant) > 2 * PLANE_BOUND * filtered.reach);
+    assert_true(fabsf(determinant) > 2 * PLANE_BOUND * filtered.direction_size);
     load_direction(input, direction);
     load_exactly(input, direction);
     find_d_and_n(other_truth, truth);
@@ -921,7 +921,7 @@ static double attack_outline_depth(const float *input)
     if (!(input[0] > input[1]) || input[2] == 0) return -1;
     memset(&group, 0, sizeof group);
     group.lanes = 1;
-    group.axis[0].reach = fabsf(input[2]);
+    group.axis[0].largest = fabsf(input[2]);
     outline.least_depth = input[0] - input[1];
     outline.slope_lo[0] = outline.slope_lo[1] = -INFINITY;
     outline.slope_hi[0] = outline.slope_hi[1] = INFINITY;

@@ -505,7 +505,7 @@ static double attack_intercept(const float *input)
     double worst = 0;
     if (!bundle_of(input, 1, 1)) return -1;
     const float bound =
-        INTERCEPT_ERROR * (bundle.hulls.filter.reach[0] * bundle.hulls.filter.away[0]) + INTERCEPT_FLOOR;
+        INTERCEPT_ERROR * (bundle.hulls.filter.direction_size[0] * bundle.hulls.filter.away[0]) + INTERCEPT_FLOOR;
     set_scale(tile.rays[0].pace[0], 1);
     for (int side = 0; side < 2; side++) {
         mpf_mul(truth, origin[0].x[1 + side], direction[0].x[0]);
@@ -526,7 +526,7 @@ static double attack_hull(const float *input)
     double worst = 0;
     if (!bundle_of(input, 2, 1)) return -1;
     const struct mlrt_hulls *hulls = &bundle.hulls;
-    const double reach = hulls->filter.reach[0],
+    const double reach = hulls->filter.direction_size[0],
                  error = INTERCEPT_ERROR * (reach * hulls->filter.away[0]) + INTERCEPT_FLOOR;
     double radius[2];
     for (int ray = 0; ray < 2; ray++) {
@@ -676,7 +676,8 @@ static double attack_box(const float *input)
     if (!bundle_of(input, 1, 1)) return -1;
     const struct mlrt_hulls *hulls = &bundle.hulls;
     const float depth = (input[0] - input[WAIST]) * bundle.waist.sign;
-    const float intercept_bound = INTERCEPT_ERROR * (hulls->filter.reach[0] * hulls->filter.away[0]) + INTERCEPT_FLOOR;
+    const float intercept_bound =
+        INTERCEPT_ERROR * (hulls->filter.direction_size[0] * hulls->filter.away[0]) + INTERCEPT_FLOOR;
     load_exactly(input, &corner[0]);
     set_scale(tile.rays[0].pace[0], 1);
     mpf_sub(corner[0].x[0], corner[0].x[0], origin[0].x[0]);
@@ -775,7 +776,8 @@ static double outlines_over(const float *input, int has_intercepts)
     take_hull(&bundle, 0, &hull);
     const struct mlrt_hulls *hulls = &bundle.hulls;
     const double error =
-        has_intercepts ? INTERCEPT_ERROR * (hulls->filter.reach[0] * hulls->filter.away[0]) + INTERCEPT_FLOOR : 0;
+        has_intercepts ? INTERCEPT_ERROR * (hulls->filter.direction_size[0] * hulls->filter.away[0]) + INTERCEPT_FLOOR
+                       : 0;
     const double depth = fabs(mpf_get_d(corner[0].x[0]));
     set_scale(1, 1);
     for (int i = 0; i < 2; i++) {
@@ -859,7 +861,7 @@ static double cuts_over(const float *input, int has_intercepts)
         }
         if (!is_open_if_moved(i, fmin(ends[0], ends[1]), fmax(ends[0], ends[1]))) return INFINITY;
     }
-    const float width = 2 * PLANE_BOUND * bundle.hulls.filter.reach[0];
+    const float width = 2 * PLANE_BOUND * bundle.hulls.filter.direction_size[0];
     float least, greatest;
     bound_over_hulls(&pairs, leaf.planes.normal[0], (const float(*)[MLRT_BVH_LEAF_LIMIT])leaf.planes.normal + 1, 2,
                      &least, &greatest);
@@ -895,7 +897,7 @@ static int is_cut(int has_intercepts)
 static int test_ray(int has_intercepts, struct bundle_vector *of, struct plane_of_rays *plane)
 {
     const struct mlrt_hulls *hulls = &bundle.hulls;
-    const struct plane_bounds bounds = {PLANE_BOUND * hulls->filter.reach[0],
+    const struct plane_bounds bounds = {PLANE_BOUND * hulls->filter.direction_size[0],
                                         has_intercepts ? hulls->filter.away[0] : 0, 0};
     static struct edge_values edges;
     static const uint32_t number = 7;
@@ -957,7 +959,7 @@ static double ends_over(const float *input, int is_distance, int has_intercepts)
     struct plane_of_rays plane;
     if (!bundle_of(input, 1, has_intercepts)) return -1;
     set_up_triangle(input);
-    const struct plane_bounds bounds = {PLANE_BOUND * bundle.hulls.filter.reach[0],
+    const struct plane_bounds bounds = {PLANE_BOUND * bundle.hulls.filter.direction_size[0],
                                         has_intercepts ? bundle.hulls.filter.away[0] : 0, 0};
     (void)test_ray(has_intercepts, &of, &plane);
     of.nearest.least_n = of.nearest.greatest_n = INFINITY;

@@ -101,7 +101,7 @@ MLRT_INLINE void take_surface(const struct mlrt_surface *surface, uint32_t lanes
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) terms->m[k] = d_select(lanes, m[k], terms->m[k]);
     terms->n = d_select(lanes, d_set1(surface->n), terms->n);
-    terms->plane_size = d_select(lanes, d_set1(MLRT_SHADOW_PLANE * surface->reach), terms->plane_size);
+    terms->plane_size = d_select(lanes, d_set1(MLRT_SHADOW_PLANE * surface->greatest_p), terms->plane_size);
     terms->height = d_select(lanes, d_set1(surface->height), terms->height);
     if (!mlrt_is_certain_surface(surface)) terms->certain &= ~lanes;
 }

@@ -30,7 +30,7 @@ void mlrt_find_surface(const struct mlrt_source *light, const struct mlrt_triang
     surface->is_thick = greatest > MLRT_SHADOW_NORMAL * (of.ab_size * of.ac_size);
     surface->m = mlrt_scale(n, scale);
     surface->n = mlrt_dot(of.to_a, surface->m);
-    surface->reach = greatest_of(of.to_a);
+    surface->greatest_p = greatest_of(of.to_a);
     surface->height = mlrt_dot(from_light, surface->m);
     surface->height_size = mlrt_size_of(from_light);
 }
@@ -61,7 +61,7 @@ static int find_end(const struct mlrt_source *light, const struct mlrt_triangle 
     const struct mlrt_vector from =
         light->kind == MLRT_SOURCE_POINT_LIGHT ? mlrt_subtract(o, mlrt_vector_at(light->light, 1)) : o;
     const struct mlrt_vector f = mlrt_scale(d, t), x = mlrt_add(from, f);
-    const double size = fmax(fmax(greatest_of(x), greatest_of(f)), MLRT_SHADOW_PLANE * surface.reach);
+    const double size = fmax(fmax(greatest_of(x), greatest_of(f)), MLRT_SHADOW_PLANE * surface.greatest_p);
     const double step = steepness > 0 ? -MLRT_SHADOW_STEP * size : MLRT_SHADOW_STEP * size;
     const struct mlrt_vector q = mlrt_add(x, mlrt_scale(surface.m, step));
     end[0] = (float)q.x, end[1] = (float)q.y, end[2] = (float)q.z;

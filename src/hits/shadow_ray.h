@@ -55,7 +55,7 @@
 struct mlrt_surface {
     struct mlrt_vector m;
     double n;
-    double reach;       /* greatest |p_k| */
+    double greatest_p;  /* greatest |p_k| */
     double height;      /* H */
     double height_size; /* h */
     int is_thick;       /* greatest |n_k| > 2^-16 S; if not, the other terms are invalid */

@@ -108,7 +108,7 @@ MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lane
     find_range(packet, lanes, &range);
     for (int k = 0; k < 3; ++k) {
         negative[k] = range.lo[k] < 0;
-        group.axis[k].reach = negative[k] ? -range.lo[k] : range.hi[k];
+        group.axis[k].largest = negative[k] ? -range.lo[k] : range.hi[k];
         axis[k] = get_ray_axis(packet, first, k);
     }
     set_main_axis(&group);

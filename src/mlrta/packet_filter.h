@@ -55,8 +55,8 @@ MLRT_INLINE void set_apex_terms(const struct mlrt_triangle_setup *setup, struct 
     terms->distance_bound = v_set1(setup->distance_bound);
 }
 
-/* The verdict on the rays `active` of the vector at lane v. `reach` is R of triangle_filter.h. */
-MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, float reach,
+/* The verdict on the rays `active` of the vector at lane v. `direction_size` is R of triangle_filter.h. */
+MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, float direction_size,
                                          const struct mlrt_packet *packet, int v, vm active)
 {
     const vf d[3] = {v_load(packet->direction[0] + v), v_load(packet->direction[1] + v),
@@ -65,11 +65,11 @@ MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, flo
              ca = dot_product(d, terms->cross[2]);
     struct float_test test;
     test.inner = inside_of_edges(ab, ca, bc);
-    test.edge_bound = v_set1(EDGE_BOUND * reach);
+    test.edge_bound = v_set1(EDGE_BOUND * direction_size);
     const vm candidates = may_be_inside(&test, active);
     if (!m_bits(candidates)) return (struct verdict){candidates, candidates, candidates, v_set1(0), v_set1(0)};
     test.determinant = dot_product(d, terms->cross[3]);
-    test.plane_bound = v_set1(PLANE_BOUND * reach);
+    test.plane_bound = v_set1(PLANE_BOUND * direction_size);
     test.distance = terms->distance;
     test.distance_bound = terms->distance_bound;
     return compare_distances(&test, candidates, v_load(packet->t_min + v), v_load(packet->nearest.lo + v),
@@ -95,7 +95,7 @@ MLRT_INLINE struct outcome filter_lanes(const struct mlrt_tree *tree, uint32_t n
                                   v_load(packet->origin[2] + v)};
             set_terms(&tree->triangles[number], origin, group->axis_code & 3, &terms);
         }
-        const struct verdict verdict = filter_vector(&terms, group->reach, packet, v, active);
+        const struct verdict verdict = filter_vector(&terms, group->direction_size, packet, v, active);
         keep_verdict(&verdict, number, v, packet, &outcome);
     }
     COUNT(&worker->counters, lane_test_count, mlrt_count_bits(tested));

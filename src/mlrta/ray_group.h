@@ -54,9 +54,9 @@ struct lane_range {
 struct group_axis {
     float origin_lo;
     float origin_hi;
-    float small; /* bounds of 1 / d_k, with its sign: of the smallest magnitude, */
-    float large; /* and of the largest. They are moved apart by RECIPROCAL_SLACK, and may be infinite */
-    float reach; /* largest |d_k| */
+    float small;   /* bounds of 1 / d_k, with its sign: of the smallest magnitude, */
+    float large;   /* and of the largest. They are moved apart by RECIPROCAL_SLACK, and may be infinite */
+    float largest; /* largest |d_k| */
     uint32_t negative;
 };
 
@@ -68,7 +68,7 @@ struct ray_group {
     struct lane_range range;
     struct group_axis axis[3];
     uint32_t axis_code;        /* the main axis, that of the largest |d_k|, and its sign (outline.h) */
-    float reach;               /* the larger of |d_main| and twice any other |d_k|: R of triangle_filter.h */
+    float direction_size;      /* the larger of |d_main| and twice any other |d_k|: R of triangle_filter.h */
     int has_frustum;           /* the rays have a common origin, and `slopes` is set */
     struct ray_slopes slopes;  /* over the main axis */
     int effort_left;           /* of its budget; negative = the group has given up */
@@ -177,7 +177,7 @@ MLRT_INLINE void set_group_axis(const struct mlrt_packet *packet, uint32_t lanes
                                 struct group_axis *axis)
 {
     axis->negative = lo < 0;
-    axis->reach = axis->negative ? -lo : hi;
+    axis->largest = axis->negative ? -lo : hi;
     set_group_reciprocals(lo, hi, axis);
     if (packet->has.apex) {
         axis->origin_lo = axis->origin_hi = packet->apex[k];
@@ -200,11 +200,11 @@ MLRT_INLINE void set_ray_slopes(const struct mlrt_packet *packet, int main_axis,
 
 MLRT_INLINE void set_main_axis(struct ray_group *group)
 {
-    const float x = group->axis[0].reach, y = group->axis[1].reach, z = group->axis[2].reach;
+    const float x = group->axis[0].largest, y = group->axis[1].largest, z = group->axis[2].largest;
     const int a = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
-    const float other = 2 * larger_of(group->axis[(a + 1) % 3].reach, group->axis[(a + 2) % 3].reach);
+    const float other = 2 * larger_of(group->axis[(a + 1) % 3].largest, group->axis[(a + 2) % 3].largest);
     group->axis_code = cell_axis_code(a, (int)group->axis[a].negative);
-    group->reach = larger_of(group->axis[a].reach, other);
+    group->direction_size = larger_of(group->axis[a].largest, other);
 }
 
 MLRT_INLINE void set_frustum(const struct mlrt_packet *packet, struct ray_group *group)
@@ -264,7 +264,7 @@ MLRT_INLINE int was_seen(struct ray_group *group, uint32_t number)
  */
 MLRT_INLINE uint32_t touched_lanes(const struct ray_group *group, const struct mlrt_outline *outline, float farthest)
 {
-    if (outline->least_depth > farthest * group->axis[group->axis_code & 3].reach * (1 + SLOPE_SLACK)) return 0;
+    if (outline->least_depth > farthest * group->axis[group->axis_code & 3].largest * (1 + SLOPE_SLACK)) return 0;
     return overlapping_lanes(&group->slopes, outline) & group->lanes;
 }
 

@@ -88,9 +88,9 @@ struct mlrt_hull_row {
 struct mlrt_filter_hulls {
     MLRT_ALIGNED(64) float middle[MLRT_RAY_TERMS][MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) float radius[MLRT_RAY_TERMS][MLRT_BUNDLE_PACKETS];
-    MLRT_ALIGNED(64) float reach[MLRT_BUNDLE_PACKETS]; /* R */
-    MLRT_ALIGNED(64) float blur[MLRT_BUNDLE_PACKETS];  /* 13 u X + 4 u R A + 2^-110: of intercepts, in L5 */
-    MLRT_ALIGNED(64) float away[MLRT_BUNDLE_PACKETS];  /* A */
+    MLRT_ALIGNED(64) float direction_size[MLRT_BUNDLE_PACKETS]; /* R */
+    MLRT_ALIGNED(64) float blur[MLRT_BUNDLE_PACKETS];           /* 13 u X + 4 u R A + 2^-110: of intercepts, in L5 */
+    MLRT_ALIGNED(64) float away[MLRT_BUNDLE_PACKETS];           /* A */
 };
 
 /* What is known only of closed packets (cover.h). */

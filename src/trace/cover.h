@@ -76,7 +76,7 @@ MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_
             radius = v_mul_add(v_abs(n), v_load(hulls->filter.radius[MLRT_INTERCEPT_J + i] + v), radius);
         }
     }
-    const vf width = v_mul(v_load(hulls->filter.reach + v), v_set1(PLANE_BOUND)), zero = v_set1(0);
+    const vf width = v_mul(v_load(hulls->filter.direction_size + v), v_set1(PLANE_BOUND)), zero = v_set1(0);
     const vf n = v_select(backward, v_sub(zero, middle), middle), room = v_add(radius, error);
     const vf least_n = v_sub(n, room), greatest_n = v_add(n, room);
     const vf from = v_sub(v_select(backward, v_sub(zero, of->greatest_d), of->least_d), width);
@@ -107,9 +107,10 @@ struct order_of_packets {
 MLRT_INLINE void add_order_by_line(const struct mlrt_hulls *hulls, const struct mlrt_pair_line *line, uint32_t places,
                                    int v, const struct triangles_of_hulls *of, struct order_of_packets *order)
 {
-    const vf reach = v_load(hulls->filter.reach + v), zero = v_set1(0), width = v_mul(reach, v_set1(2 * PLANE_BOUND));
-    const vf error = v_mul(reach, v_set1(2 * line->error));
-    const vf bound = v_mul_add(v_mul(v_load(hulls->filter.blur + v), reach), v_set1(2 * line->steepness), error);
+    const vf size = v_load(hulls->filter.direction_size + v), zero = v_set1(0),
+             width = v_mul(size, v_set1(2 * PLANE_BOUND));
+    const vf error = v_mul(size, v_set1(2 * line->error));
+    const vf bound = v_mul_add(v_mul(v_load(hulls->filter.blur + v), size), v_set1(2 * line->steepness), error);
     vf f = v_set1(line->constant), d = v_set1(line->normal[0]), f_radius = zero, d_radius = zero;
     for (int i = 0; i < MLRT_RAY_TERMS; ++i) {
         const vf middle = v_load(hulls->filter.middle[i] + v), radius = v_load(hulls->filter.radius[i] + v);

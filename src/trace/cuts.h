@@ -67,10 +67,11 @@ MLRT_INLINE void bound_edge(const struct hull_pairs *pairs, int i, vf *least, vf
 /* Error bounds of edge functions for the rays of packets (L5), so many times. */
 MLRT_INLINE vf edge_bounds(const struct hull_pairs *pairs, float times)
 {
-    const vf reach = hull_row(pairs, pairs->hulls->filter.reach), bound = v_mul(reach, v_set1(times * EDGE_ERROR));
+    const vf size = hull_row(pairs, pairs->hulls->filter.direction_size),
+             bound = v_mul(size, v_set1(times * EDGE_ERROR));
     if (!pairs->has_intercepts || MLRT_GUESS) return bound;
     const vf steepness = v_mul(leaf_row(pairs, pairs->leaf->edges.steepness), v_set1(times));
-    return v_mul_add(steepness, v_mul(hull_row(pairs, pairs->hulls->filter.blur), reach), bound);
+    return v_mul_add(steepness, v_mul(hull_row(pairs, pairs->hulls->filter.blur), size), bound);
 }
 
 /* What hulls tell of triangles. */
@@ -106,7 +107,7 @@ MLRT_INLINE void see_triangles(const struct hull_pairs *pairs, struct triangles_
     bound_over_hulls(pairs, leaf->planes.normal[0], (const float(*)[MLRT_BVH_LEAF_LIMIT])leaf->planes.normal + 1, 2,
                      &least, &greatest);
     const vf zero = v_set1(0), bound = edge_bounds(pairs, 2);
-    const vf width = v_mul(hull_row(pairs, pairs->hulls->filter.reach), v_set1(2 * PLANE_BOUND));
+    const vf width = v_mul(hull_row(pairs, pairs->hulls->filter.direction_size), v_set1(2 * PLANE_BOUND));
     const vm below = v_lt(lowest, v_sub(zero, bound)), above = v_gt(highest, bound);
     const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(zero, width));
     if (pairs->has_intercepts) {

@@ -157,9 +157,9 @@ MLRT_INLINE uint32_t lanes_of_packet_met(const struct mlrt_bundle *bundle, uint3
     for (int i = 0; i < 2; ++i) {
         far = larger_of(larger_of(fabsf(hulls->intercept[i].lo[place]), fabsf(hulls->intercept[i].hi[place])), far);
     }
-    const float reach = hulls->filter.reach[place];
-    const vf slack = v_set1(SLOPE_SLACK * (far + reach * deepest) +
-                            INTERCEPT_ERROR * reach * hulls->filter.away[place] + HULL_FLOOR);
+    const float size = hulls->filter.direction_size[place];
+    const vf slack =
+        v_set1(SLOPE_SLACK * (far + size * deepest) + INTERCEPT_ERROR * size * hulls->filter.away[place] + HULL_FLOOR);
     uint32_t met = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf last = v_sub(v_load(rays->hi + v), v_load(rays->to_waist[0] + v));

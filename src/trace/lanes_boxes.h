@@ -66,9 +66,9 @@ struct lanes_search {
     struct lanes_slabs slabs;
     struct lanes_hull hull;
     int one_origin;
-    float origin[3]; /* of all rays, if one_origin */
-    float reach;     /* 4 m: 4 times the greatest |d_k| of all lanes */
-    uint32_t alive;  /* lanes that still need hits: where any hit will do, those without one */
+    float origin[3];       /* of all rays, if one_origin */
+    float direction_limit; /* 4 m: 4 times the greatest |d_k| of all lanes */
+    uint32_t alive;        /* lanes that still need hits: where any hit will do, those without one */
     uint32_t count;
     struct pending_lanes stack[MLRT_BVH_STACK_LIMIT + 1];
 };
@@ -121,7 +121,7 @@ MLRT_INLINE void set_lanes_along(struct mlrt_packet *packet, uint32_t lanes, int
 static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes, struct lanes_search *search)
 {
     struct lanes_hull *hull = &search->hull;
-    float reach = 0;
+    float greatest = 0;
     search->alive = lanes;
     search->count = 0;
     search->one_origin = 1;
@@ -133,7 +133,7 @@ static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes
         const float from = least[2], to = -least[3];
         search->origin[k] = least[0];
         search->one_origin &= least[0] == -least[1];
-        reach = larger_of(larger_of(-from, to), reach);
+        greatest = larger_of(larger_of(-from, to), greatest);
         hull->lo[k] = least[0];
         hull->hi[k] = -least[1];
         hull->direction_lo[k] = from;
@@ -149,7 +149,7 @@ static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes
             hull->hi[k] = INFINITY;
         }
     }
-    search->reach = 4 * reach;
+    search->direction_limit = 4 * greatest;
     hull->is_narrow = hull->farthest < FLT_MAX || hull->agree[0] + hull->agree[1] + hull->agree[2] >= 2;
 }
 

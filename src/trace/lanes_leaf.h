@@ -72,7 +72,7 @@ MLRT_INLINE uint32_t set_up_from_origin(const struct lanes_search *search, const
         vf term[SIDE_TERMS], to[3], cross[3];
         struct float_test test;
         set_sides(corners + v, row, term);
-        set_side_sizes(search->reach, term);
+        set_side_sizes(search->direction_limit, term);
         MLRT_UNROLL
         for (int k = 0; k < 3; ++k) to[k] = v_sub(term[k], v_set1(search->origin[k]));
         set_edge_bound(term, to, &test);
@@ -236,13 +236,13 @@ static MLRT_NOINLINE uint32_t test_triangles_by_lanes(const struct mlrt_job *job
 
 /* Tests each of `lanes` against the triangles of a part of a leaf. Returns those that have a hit, if any will do. */
 MLRT_INLINE uint32_t test_triangles_lane_by_lane(const struct mlrt_job *job, uint32_t lanes,
-                                                 const struct leaf_part *part, float reach, struct mlrt_packet *packet,
-                                                 struct mlrt_worker *worker)
+                                                 const struct leaf_part *part, float direction_limit,
+                                                 struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     uint32_t all_changed = 0;
     vf term[SIDE_TERMS];
     set_sides(part->corners, part->row, term);
-    set_side_sizes(reach, term);
+    set_side_sizes(direction_limit, term);
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
         const vf t_min = v_set1(packet->t_min[lane]);
@@ -283,7 +283,8 @@ static MLRT_NOINLINE void test_leaf_by_lanes(const struct mlrt_job *job, uint32_
         COUNT(&worker->counters, packet_count, mlrt_count_bits(lanes)); /* each goes alone */
         for (uint32_t v = 0; v < row && lanes; v += VW) {
             const struct leaf_part part = {corners + v, numbers + v, row, VW <= 4 ? ALL_LANES : (1u << (row - v)) - 1};
-            const uint32_t changed = test_triangles_lane_by_lane(job, lanes, &part, search->reach, packet, worker);
+            const uint32_t changed =
+                test_triangles_lane_by_lane(job, lanes, &part, search->direction_limit, packet, worker);
             if (!job->any) continue;
             lanes &= ~changed;
             search->alive &= ~changed;
@@ -294,7 +295,7 @@ static MLRT_NOINLINE void test_leaf_by_lanes(const struct mlrt_job *job, uint32_
     for (uint32_t v = 0; v < row; v += VW) {
         vf term[SIDE_TERMS];
         set_sides(corners + v, row, term);
-        set_side_sizes(search->reach, term);
+        set_side_sizes(search->direction_limit, term);
         MLRT_UNROLL
         for (int i = 0; i < SIDE_TERMS; i += 3) {
             MLRT_UNROLL

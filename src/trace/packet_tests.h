@@ -159,7 +159,7 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
     const struct mlrt_hulls *hulls = &bundle->hulls;
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
-    const struct plane_bounds bounds = {v_set1(PLANE_BOUND * hulls->filter.reach[place]),
+    const struct plane_bounds bounds = {v_set1(PLANE_BOUND * hulls->filter.direction_size[place]),
                                         has_intercepts ? hulls->filter.away[place] : 0, bundle->has.begins};
     const vi skip = packet->has.skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
     uint32_t decided = 0, close_count = 0;

@@ -483,7 +483,7 @@ static MLRT_NOINLINE void finish_hulls(struct mlrt_bundle *bundle, int v)
     struct mlrt_hulls *hulls = &bundle->hulls;
     const vm going = m_from_bits(bundle->state.going >> v);
     const vf away = v_load(hulls->filter.away + v), one = v_set1(1), inf = v_set1(INFINITY), none = v_set1(-INFINITY);
-    vf reach = one, largest = v_set1(0), middle[MLRT_RAY_TERMS], radius[MLRT_RAY_TERMS];
+    vf direction_size = one, largest = v_set1(0), middle[MLRT_RAY_TERMS], radius[MLRT_RAY_TERMS];
     MLRT_UNROLL
     for (int i = 0; i < 4; ++i) {
         const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v);
@@ -491,7 +491,7 @@ static MLRT_NOINLINE void finish_hulls(struct mlrt_bundle *bundle, int v)
         middle[i] = v_mul(v_add(lo, hi), v_set1(0.5f));
         radius[i] = v_mul(v_sub(hi, lo), v_set1(0.5f * (1 + SLOPE_SLACK)));
         radius[i] = v_mul_add(v_abs(middle[i]), v_set1(0.5f * SLOPE_SLACK), radius[i]);
-        if (i < 2) reach = v_max(v_mul(size, v_set1(2)), reach);
+        if (i < 2) direction_size = v_max(v_mul(size, v_set1(2)), direction_size);
         if (i >= 2) largest = v_max(size, largest);
     }
     product_over_hull(middle, radius, &middle[MLRT_MOMENT], &radius[MLRT_MOMENT]);
@@ -500,8 +500,8 @@ static MLRT_NOINLINE void finish_hulls(struct mlrt_bundle *bundle, int v)
         v_store(hulls->filter.middle[i] + v, middle[i]);
         v_store(hulls->filter.radius[i] + v, radius[i]);
     }
-    const vf error = v_mul_add(v_mul(reach, away), v_set1(INTERCEPT_ERROR), v_set1(INTERCEPT_FLOOR));
-    v_store(hulls->filter.reach + v, reach);
+    const vf error = v_mul_add(v_mul(direction_size, away), v_set1(INTERCEPT_ERROR), v_set1(INTERCEPT_FLOOR));
+    v_store(hulls->filter.direction_size + v, direction_size);
     v_store(hulls->filter.blur + v, v_mul_add(largest, v_set1(BLUR_OF_INTERCEPT), error));
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {

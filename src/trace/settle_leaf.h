@@ -24,7 +24,7 @@ MLRT_INLINE vf find_line_values(const struct mlrt_pair_line *line, const struct 
                                 int v, vf *bound)
 {
     const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
-    const float reach = bundle->hulls.filter.reach[place];
+    const float size = bundle->hulls.filter.direction_size[place];
     float error = line->error;
     vf f = v_set1(line->constant);
     MLRT_UNROLL
@@ -36,7 +36,7 @@ MLRT_INLINE vf find_line_values(const struct mlrt_pair_line *line, const struct 
             f = v_mul_add(v_set1(line->coefficient[i]), v_load(rays->term[i] + v), f);
         }
     }
-    *bound = v_set1(error * reach * (1 + SLOPE_SLACK));
+    *bound = v_set1(error * size * (1 + SLOPE_SLACK));
     return f;
 }
 
@@ -53,7 +53,7 @@ MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) d = v_mul_add(v_set1(line->normal[1 + i]), v_load(rays->term[i] + v), d);
     const vf signed_f = v_flip(f, d);
-    const vm sure = v_gt(v_abs(d), v_set1(PLANE_BOUND * bundle->hulls.filter.reach[place]));
+    const vm sure = v_gt(v_abs(d), v_set1(PLANE_BOUND * bundle->hulls.filter.direction_size[place]));
     *above = m_and(sure, v_gt(signed_f, bound));
     *below = m_and(sure, v_lt(signed_f, v_sub(v_set1(0), bound)));
 }

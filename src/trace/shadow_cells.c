@@ -41,9 +41,9 @@
 
 /* The plane of the cover of each cell. */
 struct planes {
-    MLRT_ALIGNED(16) float m[3][MLRT_BUNDLE_PACKETS];  /* m, with the sign that makes N positive */
-    MLRT_ALIGNED(16) float n[MLRT_BUNDLE_PACKETS];     /* |N| */
-    MLRT_ALIGNED(16) float reach[MLRT_BUNDLE_PACKETS]; /* P */
+    MLRT_ALIGNED(16) float m[3][MLRT_BUNDLE_PACKETS];       /* m, with the sign that makes N positive */
+    MLRT_ALIGNED(16) float n[MLRT_BUNDLE_PACKETS];          /* |N| */
+    MLRT_ALIGNED(16) float greatest_p[MLRT_BUNDLE_PACKETS]; /* P */
 };
 
 enum side { UNKNOWN, DARK, FACING };
@@ -55,7 +55,7 @@ static enum side find_plane(const struct mlrt_source *light, const struct mlrt_t
     struct mlrt_surface surface;
     mlrt_find_surface(light, triangle, eye, &surface);
     const double n = surface.n;
-    if (!(surface.is_thick && fabs(n) > 2 * MLRT_SHADOW_SIDE * surface.reach &&
+    if (!(surface.is_thick && fabs(n) > 2 * MLRT_SHADOW_SIDE * surface.greatest_p &&
           fabs(surface.height) > 2 * MLRT_SHADOW_SIDE * surface.height_size)) {
         return UNKNOWN;
     }
@@ -63,7 +63,7 @@ static enum side find_plane(const struct mlrt_source *light, const struct mlrt_t
     const struct mlrt_vector m = mlrt_scale(surface.m, n > 0 ? 1 : -1);
     planes->m[0][place] = (float)m.x, planes->m[1][place] = (float)m.y, planes->m[2][place] = (float)m.z;
     planes->n[place] = (float)fabs(n);
-    planes->reach[place] = (float)(surface.reach * (1 + 0x1p-22));
+    planes->greatest_p[place] = (float)(surface.greatest_p * (1 + 0x1p-22));
     return FACING;
 }
 
@@ -71,7 +71,7 @@ static void copy_plane(struct planes *planes, uint32_t from, uint32_t to)
 {
     for (int k = 0; k < 3; ++k) planes->m[k][to] = planes->m[k][from];
     planes->n[to] = planes->n[from];
-    planes->reach[to] = planes->reach[from];
+    planes->greatest_p[to] = planes->greatest_p[from];
 }
 
 /*
@@ -145,7 +145,8 @@ static MLRT_NOINLINE void add_hits(const struct mlrt_bundle *seen, const struct 
 static uint32_t set_lit_cells(const struct hit_extremes *of, const struct planes *planes, float away, uint32_t first,
                               struct mlrt_bundle *lit)
 {
-    const f4 z = of->greatest_z, sizes = f4_add(f4_add(f4_set1(away), f4_add(z, z)), f4_load(planes->reach + first));
+    const f4 z = of->greatest_z,
+             sizes = f4_add(f4_add(f4_set1(away), f4_add(z, z)), f4_load(planes->greatest_p + first));
     const f4 along = f4_div(f4_mul(f4_set1(ALONG_ERROR), z), of->least_steepness);
     const f4 error = f4_add(f4_add(f4_mul(f4_set1(LIT_PLACE_ERROR), sizes), along), f4_set1(SLOPE_FLOOR));
     const f4 least = f4_sub(of->slopes.least_depth, error), greatest = f4_add(of->slopes.greatest_depth, error);

@@ -42,9 +42,9 @@ struct single_ray {
     vf near[3]; /* -1 / d, moved toward 0 */
     vf far[3];  /* -1 / d, moved away from 0 */
     vf t_min;
-    size_t near_row[3]; /* per axis, the offset in a node of the planes that the ray crosses first */
-    size_t far_row[3];  /* of those that it crosses last */
-    float reach;        /* 4 m: see "Overflow" in triangle_test.h */
+    size_t near_row[3];    /* per axis, the offset in a node of the planes that the ray crosses first */
+    size_t far_row[3];     /* of those that it crosses last */
+    float direction_limit; /* 4 m: see "Overflow" in triangle_test.h */
     uint32_t lane;
 };
 
@@ -91,7 +91,7 @@ MLRT_INLINE struct ray_rows rows_of_tested_ray(const struct mlrt_packet *packet,
 MLRT_INLINE void set_single_ray(const struct ray_rows *rows, const struct mlrt_packet *packet, uint32_t lane,
                                 struct single_ray *ray)
 {
-    float reach = 0;
+    float greatest = 0;
     MLRT_UNROLL
     for (uint32_t k = 0; k < 3; ++k) {
         const float d = rows->direction[k * rows->step];
@@ -103,9 +103,9 @@ MLRT_INLINE void set_single_ray(const struct ray_rows *rows, const struct mlrt_p
         ray->far[k] = v_set1(r * (-RECIPROCAL_SLACK - 1));
         ray->near_row[k] = d < 0 ? hi : lo;
         ray->far_row[k] = d < 0 ? lo : hi;
-        reach = larger_of(fabsf(d), reach);
+        greatest = larger_of(fabsf(d), greatest);
     }
-    ray->reach = 4 * reach;
+    ray->direction_limit = 4 * greatest;
     ray->t_min = v_set1(packet->t_min[lane] + 0.0f); /* -0 becomes 0: see stack_entry */
     ray->lane = lane;
 }

@@ -279,7 +279,7 @@ MLRT_INLINE int test_leaf(const struct mlrt_job *job, int any, const struct sing
         MLRT_UNROLL
         for (int k = 0; k < 3; ++k) to[k] = v_sub(term[k], ray->origin[k]);
         set_edges(term, to, ray->direction, &test);
-        set_side_sizes(ray->reach, term);
+        set_side_sizes(ray->direction_limit, term);
         if (settle_vector(job, any, &part, term, to, ray->t_min, ray->lane, nearest, &test, packet, worker)) return 1;
         part.places >>= VW;
         if (VW == MLRT_BVH_LEAF_LIMIT || !part.places) return 0;

@@ -93,13 +93,13 @@ MLRT_INLINE void set_sides(const float *corners, size_t row, vf term[SIDE_TERMS]
     cross_product(&term[SIDE_AB], &term[SIDE_CA], &term[SIDE_NORMAL]);
 }
 
-/* Sets the factors of bounds. `reach` is 4 m. */
-MLRT_INLINE void set_side_sizes(float reach, vf term[SIDE_TERMS])
+/* Sets the factors of bounds. `direction_limit` is 4 m. */
+MLRT_INLINE void set_side_sizes(float direction_limit, vf term[SIDE_TERMS])
 {
     const vf size_g = sum_of_magnitudes(&term[SIDE_CA]), size_h = sum_of_magnitudes(&term[SIDE_AB]);
     term[SIDE_PLANE_SIZE] = v_mul(size_g, size_h);
-    term[SIDE_EDGE_FACTOR] = v_mul(v_add(size_g, size_h), v_set1(reach));
-    term[SIDE_PLANE_FACTOR] = v_mul(term[SIDE_PLANE_SIZE], v_set1(reach));
+    term[SIDE_EDGE_FACTOR] = v_mul(v_add(size_g, size_h), v_set1(direction_limit));
+    term[SIDE_PLANE_FACTOR] = v_mul(term[SIDE_PLANE_SIZE], v_set1(direction_limit));
 }
 
 /* How far a ray passes inside of the edges, given e_ca, -e_ab and D. */
