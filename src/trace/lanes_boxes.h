@@ -11,10 +11,10 @@
  * another axis, the hull is the interval of all coordinates on the rays, from o to e = o + t d for the t where they
  * end, or everything if they do not end. As computed, t d is off by 1.001 u of itself, so of |o| + |e|, and the sum by
  * u |e|. So e is moved outward by 4 u (|o| + |e|). This also covers the rounding of the moved end, u of itself.
- * Underflow needs no room: let a ray reach a plane at c, so that c - o <= t d. If |t d| < 2^-125, then c - o, a multiple
- * of 2^-149, is a float or less than all products that are as small. Roundings are monotone: c - o is at most t d as
- * computed, and so c at most e. If e is infinite, the sum or the difference is a NaN, which v_min and v_max drop: then
- * o is the end, which is right.
+ * Underflow needs no room: let a ray reach a plane at c, so that c - o <= t d. If |t d| < 2^-125, then c - o, a
+ * multiple of 2^-149, is a float or less than all products that are as small. Roundings are monotone: c - o is at most
+ * t d as computed, and so c at most e. If e is infinite, the sum or the difference is a NaN, which v_min and v_max
+ * drop: then o is the end, which is right.
  */
 #ifndef MLRT_TRACE_LANES_BOXES_H
 #define MLRT_TRACE_LANES_BOXES_H
