@@ -2,7 +2,8 @@
 /*
  * All that depends on compiler, processor and system: inlining, alignment, bits, and the floating-point environment.
  * Also the settings that every error bound of the library relies on: no contraction of a * b + c, and float arithmetic
- * that is done in float.
+ * that is done in float. It is that of IEEE 754 (C99, Annex F): divisions by 0, and doubles beyond the range of float
+ * that become floats, give infinities.
  */
 #ifndef MLRT_BASE_PLATFORM_H
 #define MLRT_BASE_PLATFORM_H

@@ -4,7 +4,6 @@
  */
 #include "trace/leaf_in_double.h"
 
-#include <float.h>
 #include <math.h>
 
 #include "bvh/unit.h"
@@ -50,11 +49,6 @@ static void flip_triangle(struct mlrt_bundle_leaf *leaf, uint32_t place)
     }
 }
 
-static float float_or_infinity(double a)
-{
-    return fabs(a) <= FLT_MAX ? (float)a : a < 0 ? -INFINITY : INFINITY;
-}
-
 /*
  * N at the waist is off by 2^-49 of the sum of its products (planes.h), and by its rounding to float. `away` is set
  * from these two errors and not from F, which may be far larger.
@@ -65,8 +59,8 @@ static void set_odd_plane(const struct mlrt_turned_corners *of, uint32_t place, 
     mlrt_turn_plane(of, &plane);
     const double scale = 1 / mlrt_weigh(plane.size), n = plane.n * scale, error = plane.n_size * scale * 0x1p-49;
     for (int k = 0; k < 3; ++k) leaf->planes.normal[k][place] = (float)(plane.normal[k] * scale);
-    leaf->planes.distance[place] = float_or_infinity(n);
-    leaf->planes.away[place] = float_or_infinity(fabs(n) + error * 0x1p20);
+    leaf->planes.distance[place] = (float)n;
+    leaf->planes.away[place] = (float)(fabs(n) + error * 0x1p20);
     leaf->state.flipped &= ~(1u << place);
     if (n < 0) flip_triangle(leaf, place);
 }
