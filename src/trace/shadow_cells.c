@@ -98,14 +98,14 @@ static uint32_t find_planes(const struct mlrt_source *light, const struct mlrt_t
     return facing;
 }
 
-/* Sets the main axis of the light's bundle: that of the shadow ray to the hit of the lowest slopes of one cell. */
-static void set_main_axis(const struct mlrt_bundle *seen, const float from[3], const struct planes *planes,
-                          uint32_t place, struct mlrt_bundle *lit)
+/* Faces the light's bundle along the shadow ray to the hit of the lowest slopes of one cell. */
+static void face_lit_cells(const struct mlrt_bundle *seen, const float from[3], const struct planes *planes,
+                           uint32_t place, struct mlrt_bundle *lit)
 {
     const int a = seen->waist.main_axis;
     float d[3], steepness = 0, x[3];
     d[a] = seen->waist.sign;
-    for (int side = 0; side < 2; ++side) d[(a + 1 + side) % 3] = seen->hulls.term[side].lo[place];
+    for (int side = 0; side < 2; ++side) d[mlrt_slope_axis(a, side)] = seen->hulls.term[side].lo[place];
     for (int k = 0; k < 3; ++k) steepness += planes->m[k][place] * d[k];
     for (int k = 0; k < 3; ++k) x[k] = from[k] + planes->n[place] / steepness * d[k];
     mlrt_face_waist(x, &lit->waist);
@@ -174,7 +174,7 @@ uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_
     memset(&planes, 0, sizeof planes);
     const uint32_t facing = find_planes(light, tree, seen, among, &planes, dark);
     if (!facing) return 0;
-    set_main_axis(seen, from, &planes, mlrt_lowest_bit(facing), lit);
+    face_lit_cells(seen, from, &planes, mlrt_lowest_bit(facing), lit);
     uint32_t known = 0;
     for (uint32_t first = 0; first < MLRT_BUNDLE_PACKETS; first += 4) {
         struct hit_extremes of = {f4_set1(INFINITY), f4_set1(-INFINITY), NO_CORNERS};
