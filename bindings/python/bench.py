@@ -278,6 +278,7 @@ def calls(tree: mlrt.Tree, count: int) -> dict[str, Question]:
         "`trace(origins, directions)`": lambda: tree.trace(origins, directions),
         "the same, `outputs=(\"t\", \"triangle\")`": lambda: tree.trace(origins, directions, outputs=("t", "triangle")),
         "the same, `outputs=\"triangle\"`": lambda: tree.trace(origins, directions, outputs="triangle"),
+        "the same, `t_max=5.0`": lambda: tree.trace(origins, directions, t_max=5.0),
         "the same, `out=`": lambda: tree.trace(origins, directions, out=out),
         "the same, origins in a wider array": lambda: tree.trace(wide[:, :3], directions),
         "the same, origins in float64": lambda: tree.trace(doubles, directions),

@@ -64,14 +64,13 @@ class _Slot:
         self.hit_pointer = ctypes.byref((ctypes.c_char * _HIT_SIZE).from_buffer(self.hit))
 
 
-# As many as there ever were calls at the same time. Those of arrays have nothing but an origin and a direction.
+# As many as there ever were calls at the same time.
 _free: list[_Slot] = []
-_free_for_arrays: list[_Slot] = []
 
 
-def _slot(free: list[_Slot]) -> _Slot:
+def _slot() -> _Slot:
     try:
-        return free.pop()
+        return _free.pop()
     except IndexError:
         return _Slot()
 
@@ -111,7 +110,7 @@ def _call(slot: _Slot, handle: Any, origin: Any, direction: Any, t_min: Any, t_m
 
 def closest(handle: Any, origin: Any, direction: Any, t_min: Any, t_max: Any, skip: Any, options: Any) -> Hit:
     """mlrt_trace_ray. options: a pointer to mlrt_trace_options, or None."""
-    slot = _slot(_free)
+    slot = _slot()
     status = _call(slot, handle, origin, direction, t_min, t_max, skip, options)
     if status:
         check(status)
@@ -122,7 +121,7 @@ def closest(handle: Any, origin: Any, direction: Any, t_min: Any, t_max: Any, sk
 
 def occluded(handle: Any, origin: Any, direction: Any, t_min: Any, t_max: Any, skip: Any, options: Any) -> bool:
     """mlrt_trace_ray with options that have MLRT_QUERY_ANY."""
-    slot = _slot(_free)
+    slot = _slot()
     status = _call(slot, handle, origin, direction, t_min, t_max, skip, options)
     if status:
         check(status)
@@ -133,9 +132,10 @@ def occluded(handle: Any, origin: Any, direction: Any, t_min: Any, t_max: Any, s
 
 # ---- a single ray in arrays --------------------------------------------------------------------------------------------
 
-# Origin and direction of an mlrt_ray, as bytes of arrays, and an mlrt_hit as an element of an array: `occluded` is 0 or 1.
-_pack_vectors = struct.Struct("=12s12s").pack_into
-_VECTORS_START = 8
+# An mlrt_ray behind its struct_size, with vectors as bytes of arrays; an mlrt_hit as an element of an array: `occluded` is 0 or 1.
+_pack_arrays = struct.Struct("=I12s12sffII").pack_into
+_FLAGS_START = 4
+_GREATEST = float(np.finfo(np.float32).max)
 _HIT_TYPE: Any = np.dtype(
     {
         "names": [*HIT_FIELDS, "occluded"],
@@ -151,20 +151,48 @@ _SHAPES = {(1,) * axes + (3,): (1,) * axes for axes in range(64)}
 _ndarray = np.ndarray
 
 
-def _trace_arrays(handle: Any, origins: Any, directions: Any, options: Any) -> Any:
+def _one_number(value: Any, shape: tuple[int, ...]) -> Optional[float]:
+    """A number that an mlrt_ray can have, of a number or an array of float32 of this shape; None for others."""
+    if value.__class__ is _ndarray:
+        return value.item() if value.dtype is FLOAT and value.shape == shape else None
+    return value if (value.__class__ is float or value.__class__ is int) and not _GREATEST < abs(value) < inf else None
+
+
+def _limits(t_min: Any, t_max: Any, skip: Any, shape: tuple[int, ...]) -> Any:
+    """Flags, t_min, t_max, and the triangle to skip, of an mlrt_ray; None if these are not of one ray."""
+    flags = mesh = triangle = 0
+    begin = 0.0 if t_min is None else _one_number(t_min, shape)
+    end = inf if t_max is None else _one_number(t_max, shape)
+    if begin is None or end is None:
+        return None
+    if skip is not None:
+        if skip.__class__ is not _ndarray or skip.shape != shape + (2,) or skip.dtype.kind not in "iu":
+            return None
+        flags, (mesh, triangle) = _SKIP, skip.ravel().tolist()
+        mesh, triangle = id_word(mesh, "skip"), id_word(triangle, "skip")
+    return flags, begin, limit(end), mesh, triangle
+
+
+def _trace_arrays(handle: Any, origins: Any, directions: Any, t_min: Any, t_max: Any, skip: Any, options: Any) -> Any:
     """Traces the ray of two arrays of float32 with one vector each, of the same shape: an array of an mlrt_hit. None for others."""
     if origins.__class__ is not _ndarray or directions.__class__ is not _ndarray:
         return None
     shape = _SHAPES.get(origins.shape)
     if shape is None or origins.shape != directions.shape or origins.dtype is not FLOAT or directions.dtype is not FLOAT:
         return None
-    slot = _slot(_free_for_arrays)
-    _pack_vectors(slot.ray, _VECTORS_START, origins.tobytes(), directions.tobytes())
+    flags, begin, end, mesh, triangle = 0, 0.0, 0.0, 0, 0
+    if t_min is not None or t_max is not None or skip is not None:
+        limits = _limits(t_min, t_max, skip, shape)
+        if limits is None:
+            return None
+        flags, begin, end, mesh, triangle = limits
+    slot = _slot()
+    _pack_arrays(slot.ray, _FLAGS_START, flags, origins.tobytes(), directions.tobytes(), begin, end, mesh, triangle)
     status = _trace(handle, slot.ray_pointer, options, slot.hit_pointer)
     if status:
         check(status)
     hit = _ndarray(shape, _HIT_TYPE, slot.hit[:])
-    _free_for_arrays.append(slot)
+    _free.append(slot)
     return hit
 
 
@@ -174,9 +202,11 @@ def _wanted(outputs: Any) -> Any:
     return tuple((HIT_FIELDS.index(name), name) for name in check_names(outputs, HIT_FIELDS))
 
 
-def closest_in_arrays(handle: Any, origins: Any, directions: Any, outputs: Any) -> Optional[Hits]:
+def closest_in_arrays(
+    handle: Any, origins: Any, directions: Any, t_min: Any, t_max: Any, skip: Any, options: Any, outputs: Any
+) -> Optional[Hits]:
     """What mlrt_trace_packet answers to one ray, in new arrays; None if these are not arrays of one ray."""
-    hit = _trace_arrays(handle, origins, directions, None)
+    hit = _trace_arrays(handle, origins, directions, t_min, t_max, skip, options)
     if hit is None:
         return None
     wanted = None if outputs is None else _wanted(outputs if outputs.__class__ is str else tuple(outputs))
@@ -188,7 +218,9 @@ def closest_in_arrays(handle: Any, origins: Any, directions: Any, outputs: Any) 
     return make_hits(Hits, arrays)
 
 
-def occluded_in_array(handle: Any, origins: Any, directions: Any, options: Any) -> Optional[np.ndarray]:
+def occluded_in_array(
+    handle: Any, origins: Any, directions: Any, t_min: Any, t_max: Any, skip: Any, options: Any
+) -> Optional[np.ndarray]:
     """Likewise of any hit."""
-    hit = _trace_arrays(handle, origins, directions, options)
+    hit = _trace_arrays(handle, origins, directions, t_min, t_max, skip, options)
     return None if hit is None else hit["occluded"]

@@ -377,10 +377,7 @@ class Tree:
         """
         tree = self._handle or self._open_handle()
         if (
-            t_min is None
-            and t_max is None
-            and skip is None
-            and mask is None
+            (mask is None or mask.__class__ is int)
             and out is None
             and pool is None
             and method is None
@@ -388,7 +385,8 @@ class Tree:
             and counters is None
             and not progress
         ):
-            hits = _single.closest_in_arrays(tree, origins, directions, outputs)
+            shared = _shared_options(_abi.QUERY_CLOSEST, None, None, mask_word(mask, "mask")) if mask else None
+            hits = _single.closest_in_arrays(tree, origins, directions, t_min, t_max, skip, shared, outputs)
             if hits is not None:
                 hits._rays = origins, directions
                 return hits
@@ -428,10 +426,7 @@ class Tree:
         """Whether each ray hits anything: bool (...). Faster than `trace`, arguments as there; out: bool or uint8 (...)."""
         tree = self._handle or self._open_handle()
         if (
-            t_min is None
-            and t_max is None
-            and skip is None
-            and mask is None
+            (mask is None or mask.__class__ is int)
             and out is None
             and pool is None
             and method is None
@@ -439,7 +434,8 @@ class Tree:
             and counters is None
             and not progress
         ):
-            found = _single.occluded_in_array(tree, origins, directions, _ANY_HIT)
+            shared = _shared_options(_abi.QUERY_ANY, None, None, mask_word(mask, "mask")) if mask else _ANY_HIT
+            found = _single.occluded_in_array(tree, origins, directions, t_min, t_max, skip, shared)
             if found is not None:
                 return found
         one_mask, masks = (0, None) if mask is None else mask_words(mask)

@@ -44,21 +44,49 @@ class SameBits(unittest.TestCase):
                     hit += bool(found)
         self.assertGreater(hit, 500)
 
+    def test_in_arrays_with_limits(self):
+        """With a method, `trace` goes the long way."""
+        calls = 0
+        for ray in range(0, len(self.origins), 2):
+            shape = ((), (1,), (1, 1))[ray % 3]
+            arrays = [array[ray].reshape(shape + (3,)) for array in (self.origins, self.directions)]
+            end, skip = float(self.all.t[ray]), (self.all.mesh[ray], self.all.triangle[ray])
+            numbers = (0, -1, end, end / 2, end * 1.0000001, float("inf"), float("nan"), 1e-46, 1e300, True, np.full(shape, end, np.float32))
+            every = [{name: number} for name in ("t_min", "t_max") for number in numbers]
+            every += [{"skip": np.array(skip, dtype).reshape(shape + (2,))} for dtype in (np.uint32, np.int64)]
+            every += [{"skip": np.full(shape + (2,), -1), "t_max": end}, {"t_min": 0, "t_max": 2 * end, "mask": 2}, {"mask": -2}]
+            for arguments in every:
+                with np.errstate(over="ignore"):
+                    long_way = self.tree.trace(*arrays, method="tile", **arguments), self.tree.occluded(*arrays, method="tile", **arguments)
+                    short = self.tree.trace(*arrays, **arguments), self.tree.occluded(*arrays, **arguments)
+                for one, other in zip(short[0][:6] + short[1:], long_way[0][:6] + long_way[1:]):
+                    self.assertEqual((one.shape, one.dtype, one.tobytes()), (other.shape, other.dtype, other.tobytes()), arguments)
+                calls += 1
+        self.assertGreater(calls, 5000)
+
+    def test_refused_in_arrays(self):
+        """As by the long way."""
+        ray = np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32)
+        for arguments in ({"skip": np.array([[0, 1 << 32]])}, {"skip": np.array([[0.0, 1.0]])}, {"mask": 1 << 32}):
+            for ask in (self.tree.trace, self.tree.occluded):
+                with self.assertRaises((ValueError, TypeError)):
+                    ask(*ray, **arguments)
+
     def test_in_arrays(self):
-        """With an option, `trace` goes the long way."""
+        """With a method, `trace` goes the long way."""
         shapes = (3,), (1, 3), (1, 1, 3)
         for ray in range(len(self.origins)):
             arrays = [array[ray].reshape(shapes[ray % 3]) for array in (self.origins, self.directions)]
             for outputs in (None, "triangle", ("t", "facing"), iter(("u", "mesh"))):
                 outputs = outputs if outputs is None or isinstance(outputs, str) else tuple(outputs)
-                long_way = self.tree.trace(*arrays, row_length=1, t_min=0, outputs=outputs)
+                long_way = self.tree.trace(*arrays, method="tile", outputs=outputs)
                 short = self.tree.trace(*arrays, outputs=outputs)
                 for name, one, other in zip(short._fields, short, long_way):
                     self.assertEqual(one is None, other is None, name)
                     if one is not None:
                         self.assertEqual((one.shape, one.dtype, one.tobytes()), (other.shape, other.dtype, other.tobytes()), name)
                         one[...] = 0  # an array of its own
-            short, long_way = self.tree.occluded(*arrays), self.tree.occluded(*arrays, t_min=0)
+            short, long_way = self.tree.occluded(*arrays), self.tree.occluded(*arrays, method="tile")
             self.assertEqual((short.shape, short.dtype, short.tobytes()), (long_way.shape, long_way.dtype, long_way.tobytes()))
 
     def test_results_stay(self):
