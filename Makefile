@@ -454,6 +454,7 @@ check-tables:
 	@$(PYTHON) examples/common/tables.py --check docs/data $(DOCUMENTS) $(CHARTS)
 	@sh tests/tables.sh $(PYTHON) $(BUILD)/tables
 	@$(PYTHON) tests/check_lives.py examples/bench/lives.py
+	@$(PYTHON) examples/bench/sweep.py --check
 
 # ---- tests ---------------------------------------------------------------------------------------------------------
 

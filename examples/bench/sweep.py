@@ -35,9 +35,9 @@ SETTINGS = {
     "as it is": {},
     "as it is once more": {},
     "never squares": {"FIRST_OPEN_SQUARES": "0xFFFFFFFFu"},
-    "always squares": {"SQUARE_RUN": "0"},
+    "always squares": {"SQUARE_BACKOFF": "0"},
     "tiles always open": {"FIRST_OPEN_TILES": "0xFFFFFFFFu"},
-    "tiles always closed": {"TILE_RUN": "0", "CELL_RUN": "0"},
+    "tiles always closed": {"TILE_BACKOFF": "0", "CELL_BACKOFF": "0"},
     "wide packets stay": {"WIDE_FACTOR": "1e30f"},
     "wide from 2.5": {"WIDE_FACTOR": "2.5f"},
     "few rays stay": {"MANY_PACKETS": "17"},
@@ -91,20 +91,26 @@ def make_default(jobs):
     return os.path.join("build", "bin", "bench")
 
 
+def tuning_with(macros):
+    """The text of tuning.h with a setting. Each macro must be there, once."""
+    with open(os.path.join("src", "base", "tuning.h")) as text:
+        tuning = text.read()
+    for macro, value in macros.items():
+        tuning, count = re.subn(rf"^(#define MLRT_{macro} +).*", rf"\g<1>{value}", tuning, flags=re.M)
+        if count != 1:
+            raise SystemExit(f"sweep.py: MLRT_{macro} is there {count} times in src/base/tuning.h")
+    return tuning
+
+
 def make_with(name, macros, target, jobs):
     """Builds a target with a setting, and returns where it is."""
     folder = os.path.join("build", "sweep", name.replace(" ", "-"))
     shutil.rmtree(folder, ignore_errors=True)
     for part in ("obj", "examples"):
         shutil.copytree(os.path.join("build", part), os.path.join(folder, part))
-    with open(os.path.join("src", "base", "tuning.h")) as text:
-        tuning = text.read()
-    for macro, value in macros.items():
-        tuning, count = re.subn(rf"^(#define MLRT_{macro} +).*", rf"\g<1>{value}", tuning, flags=re.M)
-        assert count == 1, macro
     os.makedirs(os.path.join(folder, "src", "base"))
     with open(os.path.join(folder, "src", "base", "tuning.h"), "w") as text:
-        text.write(tuning)
+        text.write(tuning_with(macros))
     changed = [word for source in changed_sources(macros) for word in ("-W", source)]
     path = os.path.join(folder, target)
     make = ["make", "--no-print-directory", f"-j{jobs}"] + changed
@@ -214,11 +220,16 @@ def main():
     parser.add_argument("--kinds")
     parser.add_argument("--rounds", type=int)
     parser.add_argument("--trees", action="store_true")
+    parser.add_argument("--check", action="store_true", help="only see whether all macros are there")
     parser.add_argument("--isa", default="avx2,avx512")
     parser.add_argument("--size", type=int, default=512)
     parser.add_argument("--lives", type=int, default=2)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     options = parser.parse_args()
+    if options.check:
+        for macros in [*SETTINGS.values(), *TREES.values()]:
+            tuning_with(macros)
+        return
     if options.trees:
         compare_trees(options)
         return

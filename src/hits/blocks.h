@@ -28,7 +28,7 @@ static void finish_packet(const struct mlrt_job *job, struct mlrt_worker *worker
         mlrt_trace_in_double(job, packet->in_double, packet, worker, COUNTERS(worker));
 }
 
-/* Traces the single rays of a packet, and writes the results of all, and their shadows. */
+/* Traces the rays of a packet that go in double, and writes the results of all, and their shadows. */
 static void end_packet(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t lanes,
                        const struct mlrt_rectangle *block, struct mlrt_packet *packet)
 {

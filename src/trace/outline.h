@@ -113,16 +113,16 @@ MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)
 MLRT_INLINE void find_outline_ends(const struct mlrt_waist *waist, int side, vf weight, vm is_fan, int are_fans,
                                    const vf slope[2], const vf intercept[2], int has_intercepts, vf ends[2])
 {
-    vf reach = v_set1(0);
+    vf widest = v_set1(0);
     ends[0] = slope[0], ends[1] = slope[1];
-    if (has_intercepts) reach = greatest_intercept(intercept[0], intercept[1]);
+    if (has_intercepts) widest = greatest_intercept(intercept[0], intercept[1]);
     if (MLRT_UNLIKELY(!are_fans)) {
         ends[0] = v_select(is_fan, ends[0], has_intercepts ? intercept[0] : v_set1(0));
         ends[1] = v_select(is_fan, ends[1], has_intercepts ? intercept[1] : v_set1(0));
-        reach = v_select(is_fan, reach, greatest_turn(waist, side, slope[0], slope[1]));
+        widest = v_select(is_fan, widest, greatest_turn(waist, side, slope[0], slope[1]));
     }
     if (has_intercepts || !are_fans) {
-        const vf room = v_mul(reach, weight);
+        const vf room = v_mul(widest, weight);
         ends[0] = v_sub(ends[0], room);
         ends[1] = v_add(ends[1], room);
     }

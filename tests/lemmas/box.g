@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# Rays against boxes (L12, and trace/single_ray.h). What is moved outward covers all roundings, whatever their signs.
+# Rays against boxes (L12, and trace/single_ray_boxes.h). What is moved outward covers all roundings, whatever their signs.
 
 u = 1b-24;
 

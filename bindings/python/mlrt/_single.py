@@ -136,6 +136,7 @@ def occluded(handle: Any, origin: Any, direction: Any, t_min: Any, t_max: Any, s
 _pack_arrays = struct.Struct("=I12s12sffII").pack_into
 _FLAGS_START = 4
 _GREATEST = float(np.finfo(np.float32).max)
+_NUMBERS = (float, int, np.float32, np.float64)
 _HIT_TYPE: Any = np.dtype(
     {
         "names": [*HIT_FIELDS, "occluded"],
@@ -155,7 +156,7 @@ def _one_number(value: Any, shape: tuple[int, ...]) -> Optional[float]:
     """A number that an mlrt_ray can have, of a number or an array of float32 of this shape; None for others."""
     if value.__class__ is _ndarray:
         return value.item() if value.dtype is FLOAT and value.shape == shape else None
-    return value if (value.__class__ is float or value.__class__ is int) and not _GREATEST < abs(value) < inf else None
+    return float(value) if value.__class__ in _NUMBERS and not _GREATEST < abs(value) < inf else None
 
 
 def _limits(t_min: Any, t_max: Any, skip: Any, shape: tuple[int, ...]) -> Any:

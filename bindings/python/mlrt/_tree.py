@@ -383,6 +383,7 @@ class Tree:
             and method is None
             and isa is None
             and counters is None
+            and not row_length
             and not progress
         ):
             shared = _shared_options(_abi.QUERY_CLOSEST, None, None, mask_word(mask, "mask")) if mask else None
@@ -432,6 +433,7 @@ class Tree:
             and method is None
             and isa is None
             and counters is None
+            and not row_length
             and not progress
         ):
             shared = _shared_options(_abi.QUERY_ANY, None, None, mask_word(mask, "mask")) if mask else _ANY_HIT

@@ -51,7 +51,7 @@ class SameBits(unittest.TestCase):
             shape = ((), (1,), (1, 1))[ray % 3]
             arrays = [array[ray].reshape(shape + (3,)) for array in (self.origins, self.directions)]
             end, skip = float(self.all.t[ray]), (self.all.mesh[ray], self.all.triangle[ray])
-            numbers = (0, -1, end, end / 2, end * 1.0000001, float("inf"), float("nan"), 1e-46, 1e300, True, np.full(shape, end, np.float32))
+            numbers = (0, -1, end, end / 2, end * 1.0000001, float("inf"), float("nan"), 1e-46, 1e300, True, np.float32(end), np.float64(end), np.full(shape, end, np.float32))
             every = [{name: number} for name in ("t_min", "t_max") for number in numbers]
             every += [{"skip": np.array(skip, dtype).reshape(shape + (2,))} for dtype in (np.uint32, np.int64)]
             every += [{"skip": np.full(shape + (2,), -1), "t_max": end}, {"t_min": 0, "t_max": 2 * end, "mask": 2}, {"mask": -2}]
@@ -71,6 +71,8 @@ class SameBits(unittest.TestCase):
             for ask in (self.tree.trace, self.tree.occluded):
                 with self.assertRaises((ValueError, TypeError)):
                     ask(*ray, **arguments)
+                with self.assertRaises(ValueError):
+                    ask(*ray, t_max=1.0, row_length=-1)
 
     def test_in_arrays(self):
         """With a method, `trace` goes the long way."""

@@ -1125,9 +1125,8 @@ extern "C" {
     /// than 2^30 - 1 triangles in all.
     ///
     /// Memory per triangle, its own 36 bytes included: 51 to 60 bytes, and at most 136 while the tree is built (FAST: 50 to
-    /// 56 and 127, BEST: 52 to 69 and 154). Flat grids take 48, meshes of a few triangles more, and masks 4 bytes per
-    /// triangle.
-    /// mlrt_tree_info tells how much a tree took.
+    /// 56 and 127, BEST: 52 to 69 and 154). A flat grid takes as little as 48, meshes of a few triangles more, and masks 4
+    /// bytes per triangle. mlrt_tree_info tells how much a tree took.
     ///
     /// Method: surface area heuristic over bins, with spatial splits (M. Stich, H. Friedrich, A. Dietrich, "Spatial Splits
     /// in Bounding Volume Hierarchies", 2009), and the best way to put sixteen boxes into a node (H. Ylitie, T. Karras, S.
@@ -1155,7 +1154,7 @@ extern "C" {
     ///   options     NULL = defaults.
     ///   estimate    receives the estimate (struct_size must be set).
     ///
-    /// Scenes of more than a few thousand triangles take 80 to 110 % of it, flat grids two thirds. Only a memory_limit is
+    /// Scenes of more than a few thousand triangles take 80 to 110 % of it, flat grids 67 to 85 %. Only a memory_limit is
     /// sure to hold.
     /// ```
     pub fn mlrt_estimate_tree(meshes: *const mlrt_mesh, mesh_count: usize, options: *const mlrt_tree_options, estimate: *mut mlrt_memory_estimate) -> i32;
@@ -1299,7 +1298,7 @@ extern "C" {
     ///   tree      the tree, whose triangles cast the shadows.
     ///   points    the points.
     ///   light     the light.
-    ///   options   NULL = defaults. Its `query` must be right, but is ignored.
+    ///   options   NULL = defaults. Its `query` must be one of MLRT_QUERY_*, but is ignored.
     ///   occluded  uint8_t: element i receives 1 if something lies between point i and the light, 0 if nothing does. Its
     ///             data must not be NULL.
     ///
