@@ -107,8 +107,8 @@ test_rust_package() {
     grep -q 'make amalgamation' without
 }
 
-# One job at a time: in Go 1.26, vet may look for the packages that it needs before they are there (golang/go#77116), in go
-# test as well.
+# Go 1.26's vet may look for packages that another job of the same command still makes (golang/go#77116). So vet has one
+# job, and tests, which would vet as well, do without.
 test_go() {
     need go pkg-config
     copy go

@@ -359,7 +359,7 @@ typedef struct mlrt_tree_options {
  * than 2^30 - 1 triangles in all.
  *
  * Memory per triangle, its own 36 bytes included: 51 to 60 bytes, and at most 136 while the tree is built (FAST: 50 to
- * 56 and 127, BEST: 52 to 69 and 154). A flat grid takes as little as 48, meshes of a few triangles more, and masks 4
+ * 56 and 127, BEST: 52 to 69 and 154). Flat grids take a little less, meshes of a few triangles more, and masks 4
  * bytes per triangle. mlrt_tree_info tells how much a tree took.
  *
  * Method: surface area heuristic over bins, with spatial splits (M. Stich, H. Friedrich, A. Dietrich, "Spatial Splits
@@ -430,8 +430,8 @@ typedef struct mlrt_memory_estimate {
  *   options     NULL = defaults.
  *   estimate    receives the estimate (struct_size must be set).
  *
- * Scenes of more than a few thousand triangles take 80 to 110 % of it, flat grids 67 to 85 %. Only a memory_limit is
- * sure to hold.
+ * Scenes of more than a few thousand triangles take 80 to 110 % of it, flat grids less. Only a memory_limit is sure to
+ * hold.
  */
 MLRT_API int32_t mlrt_estimate_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
                                     mlrt_memory_estimate *estimate);

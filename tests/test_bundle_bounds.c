@@ -526,8 +526,8 @@ static double attack_hull(const float *input)
     double worst = 0;
     if (!bundle_of(input, 2, 1)) return -1;
     const struct mlrt_hulls *hulls = &bundle.hulls;
-    const double reach = hulls->filter.direction_size[0],
-                 error = INTERCEPT_ERROR * (reach * hulls->filter.away[0]) + INTERCEPT_FLOOR;
+    const double direction_size = hulls->filter.direction_size[0],
+                 error = INTERCEPT_ERROR * (direction_size * hulls->filter.away[0]) + INTERCEPT_FLOOR;
     double radius[2];
     for (int ray = 0; ray < 2; ray++) {
         set_scale(tile.rays[0].pace[ray], 1);
@@ -539,7 +539,7 @@ static double attack_hull(const float *input)
             const double at = hulls->filter.middle[MLRT_INTERCEPT_J + side][0],
                          size = fmax(fabs(intercepts->lo[0]), fabs(intercepts->hi[0]));
             mpf_set(truth, direction[ray].x[1 + side]);
-            if (2 * slope_size > reach) return INFINITY;
+            if (2 * slope_size > direction_size) return INFINITY;
             radius[side] = hulls->filter.radius[MLRT_SLOPE_J + side][0];
             worst = fmax(worst, beyond(slopes->lo[0], slopes->hi[0], 0x1p-21 * slope_size + 0x1p-140));
             worst = fmax(worst, fabs(error_over(middle, radius[side] + 0x1p-148)) > 1 ? INFINITY : 0);
@@ -559,7 +559,7 @@ static double attack_hull(const float *input)
         mpf_mul(truth, origin[ray].x[1], direction[ray].x[2]);
         mpf_mul(product, origin[ray].x[2], direction[ray].x[1]);
         mpf_sub(truth, truth, product);
-        const double around = hulls->filter.radius[MLRT_MOMENT][0] + 1.001 * reach * error;
+        const double around = hulls->filter.radius[MLRT_MOMENT][0] + 1.001 * direction_size * error;
         worst = fmax(worst, fabs(error_over(hulls->filter.middle[MLRT_MOMENT][0], around)) > 1 ? INFINITY : 0);
         for (int k = 0; k < 3; k++) { /* o_main and twice the others as computed */
             mpf_abs(truth, origin[ray].x[k]);

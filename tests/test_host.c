@@ -123,7 +123,7 @@ static void assert_balanced(const struct books *books)
 
 static struct soup some_soup(size_t count)
 {
-    struct random random = {77};
+    struct random random = {.state = 77};
     struct soup soup = {NULL, 0, 0};
     soup_add_random(&soup, &random, count, 10, 1);
     return soup;
@@ -393,6 +393,33 @@ static void a_limit_is_kept(void **state)
         assert_non_null(strstr(message, "limit"));
         assert_int_equal(build_kind(kind, &scene->mesh, &host, 1, message, &tree, &estimate), MLRT_ERROR_OUT_OF_MEMORY);
         assert_balanced(&books);
+    }
+}
+
+/* The same without a host, where blocks are resized in place, for few triangles: some of the builder's arrays are empty. */
+static void a_limit_is_kept_for_few_triangles(void **state)
+{
+    (void)state;
+    static float vertices[3 * 3 * 20];
+    struct random random = {.state = 77};
+    for (size_t i = 0; i < sizeof vertices / sizeof *vertices; i++) vertices[i] = (float)draw_below(&random, 9);
+    for (uint32_t count = 0; count <= 20; count++) {
+        const mlrt_mesh mesh = {
+            .struct_size = sizeof mesh, .vertices = vertices, .vertex_count = 3 * count, .triangle_count = count};
+        for (int32_t kind = 0; kind < KIND_COUNT; kind++) {
+            char message[200];
+            mlrt_tree *tree;
+            mlrt_tree_info info = {.struct_size = sizeof info};
+            mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
+            assert_int_equal(build_kind(kind, &mesh, NULL, 0, message, &tree, &estimate), MLRT_OK);
+            assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_OK);
+            mlrt_destroy_tree(tree);
+            const uint64_t peak = info.peak_memory_size;
+            assert_int_equal(build_kind(kind, &mesh, NULL, peak, message, &tree, &estimate), MLRT_OK);
+            mlrt_destroy_tree(tree);
+            assert_int_equal(build_kind(kind, &mesh, NULL, peak - 1, message, &tree, &estimate),
+                             MLRT_ERROR_OUT_OF_MEMORY);
+        }
     }
 }
 
@@ -1133,6 +1160,7 @@ int main(void)
         cmocka_unit_test(sizes_are_those_of_the_books),
         cmocka_unit_test(estimates_need_no_meshes),
         cmocka_unit_test(a_limit_is_kept),
+        cmocka_unit_test(a_limit_is_kept_for_few_triangles),
         cmocka_unit_test(the_log_tells_results_warnings_and_errors),
         cmocka_unit_test(messages_are_emptied),
         cmocka_unit_test(progress_ends_at_one),

@@ -59,7 +59,7 @@ struct place {
     double x[3];           /* relative to the light */
     double z;              /* in units of the direction */
     double z_by_steepness; /* over direction . normal, whose greatest component is 1 */
-    double reach;          /* the greatest |p_k| of hits/shadow_ray.h */
+    double greatest_p;     /* the greatest |p_k| of hits/shadow_ray.h */
 };
 
 /* Where a ray of this direction from the eye hits the plane of a cell's cover. Returns 0 if nowhere. */
@@ -67,7 +67,7 @@ static int find_place(const struct scene *scene, uint32_t place, const double d[
 {
     const struct mlrt_triangle *triangle = &scene->triangles[scene->seen.hulls.closed.cover[place]];
     double ab[3], ac[3], n = 0, greatest = 0, steepness = 0, size = 0, roundness = 0;
-    found->reach = 0;
+    found->greatest_p = 0;
     for (int k = 0; k < 3; ++k) {
         ab[k] = (double)triangle->v[1][k] - (double)triangle->v[0][k];
         ac[k] = (double)triangle->v[2][k] - (double)triangle->v[0][k];
@@ -76,7 +76,7 @@ static int find_place(const struct scene *scene, uint32_t place, const double d[
         const int i = (k + 1) % 3, j = (k + 2) % 3;
         const double m = ab[i] * ac[j] - ab[j] * ac[i];
         const double p = (double)triangle->v[0][k] - (double)scene->eye[k];
-        found->reach = fmax(found->reach, fabs(p));
+        found->greatest_p = fmax(found->greatest_p, fabs(p));
         greatest = fmax(greatest, fabs(m));
         n += p * m;
         steepness += m * d[k];
@@ -113,7 +113,7 @@ static int find_extremes(const struct scene *scene, uint32_t place, struct extre
         }
         if (!find_place(scene, place, d, &at)) return 0;
         for (int k = 0; k < 3; ++k) away = fmax(away, fabs((double)scene->eye[k] - (double)scene->light.light[k]));
-        of->is_grazing |= at.z_by_steepness > 4 * (away + 2 * at.z + at.reach);
+        of->is_grazing |= at.z_by_steepness > 4 * (away + 2 * at.z + at.greatest_p);
         const double depth = at.x[b] * (double)scene->lit.waist.sign;
         of->shortest = fmin(depth, of->shortest);
         of->farthest = fmax(depth, of->farthest);

@@ -125,6 +125,29 @@ static void test_the_limit_holds_and_a_failed_resize_keeps_the_block(void **stat
     mlrt_free(&memory, block, 60, 1);
 }
 
+/* A block of no elements counts one byte, also where a resize makes it, or makes more of it. */
+static void test_resizing_to_nothing_keeps_to_the_limit(void **state)
+{
+    (void)state;
+    struct mlrt_memory memory = {.limit_size = 64};
+    void *block = mlrt_allocate(&memory, 64, 1);
+    const size_t counts[] = {64, 0, 0, 64, 0};
+    for (size_t i = 1; i < sizeof counts / sizeof *counts; i++) {
+        block = mlrt_resize(&memory, block, counts[i - 1], counts[i], 1);
+        assert_non_null(block);
+        assert_int_equal(memory.held_size, counts[i] ? counts[i] : 1);
+    }
+    assert_null(mlrt_resize(&memory, block, 0, 65, 1));
+    mlrt_free(&memory, block, 0, 1);
+    assert_int_equal(memory.held_size, 0);
+
+    memory.limit_size = 1;
+    block = mlrt_allocate(&memory, 0, 8);
+    block = mlrt_resize(&memory, block, 0, 0, 8);
+    assert_non_null(block);
+    mlrt_free(&memory, block, 0, 8);
+}
+
 static void test_a_block_gives_way_to_one_of_another_size(void **state)
 {
     (void)state;
@@ -156,6 +179,7 @@ int main(void)
         cmocka_unit_test(test_resized_blocks_are_aligned_and_whole),
         cmocka_unit_test(test_resizing_null_allocates),
         cmocka_unit_test(test_the_limit_holds_and_a_failed_resize_keeps_the_block),
+        cmocka_unit_test(test_resizing_to_nothing_keeps_to_the_limit),
         cmocka_unit_test(test_a_block_gives_way_to_one_of_another_size),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -165,8 +165,8 @@ void *mlrt_resize(struct mlrt_memory *memory, void *block, size_t old_count, siz
     if (block == NULL) return mlrt_allocate(memory, new_count, size);
     if (memory->allocate) return move_block(memory, block, old_count, new_count, size);
     if (!product_fits(new_count, size)) return NULL;
-    const size_t kept_size = (old_count < new_count ? old_count : new_count) * size;
-    const size_t new_size = block_size_of(new_count, size);
+    const size_t old_size = block_size_of(old_count, size), new_size = block_size_of(new_count, size);
+    const size_t kept_size = old_size < new_size ? old_size : new_size;
     if (!within_limit(memory, new_size - kept_size)) return NULL;
     size_t old_offset = (size_t)((char *)block - start_of(block));
     char *start = realloc(start_of(block), new_size + MARGIN_SIZE);
@@ -175,7 +175,7 @@ void *mlrt_resize(struct mlrt_memory *memory, void *block, size_t old_count, siz
     size_t lowest = (uintptr_t)start % ALIGNMENT + sizeof(void *);
     size_t new_offset = sizeof(void *) + (ALIGNMENT - lowest % ALIGNMENT) % ALIGNMENT;
     if (new_offset != old_offset) memmove(start + new_offset, start + old_offset, kept_size);
-    memory->held_size -= block_size_of(old_count, size);
+    memory->held_size -= old_size;
     count_held(memory, new_size);
     return place_block(start);
 }

@@ -20,7 +20,8 @@
  * next 3, then 7, up to TILE_BACKOFF tiles (of a camera CELL_BACKOFF) and SQUARE_BACKOFF squares, which are one less
  * than a power of two. Where an attempt reads rays, READ_BACKOFF follow at once. If all are 0, every area begins with
  * closed cells.
- * FIRST_OPEN_TILES and _SQUARES: so many first areas of a worker begin open; 0xFFFFFFFF: all.
+ *
+ * The first FIRST_OPEN_TILES and FIRST_OPEN_SQUARES areas of a worker begin open; 0xFFFFFFFF: all.
  *
  * Instructions (AVX2) with 3 tiles always: shadows of dragon 1.03, pictures of erw6 1.01. With READ_BACKOFF 1: shadows
  * of erw6 1.02.

@@ -86,14 +86,15 @@ MLRT_INLINE void scaled_cross_product(const vf sum[3], const vf edge[3], uint32_
     cross_product(sum, edge, cross);
     if (MLRT_GUESS) return;
     const uint32_t a = main_axis, j = (a + 1) % 3, l = (a + 2) % 3;
-    vf reach[3], length[3];
+    vf magnitude[3], length[3];
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         length[k] = v_abs(edge[k]);
-        reach[k] = v_max(v_abs(sum[k]), length[k]);
+        magnitude[k] = v_max(v_abs(sum[k]), length[k]);
     }
-    const vf main = v_add(v_mul(reach[j], length[l]), v_mul(reach[l], length[j]));
-    const vf others = v_add(v_mul(reach[a], v_add(length[j], length[l])), v_mul(length[a], v_add(reach[j], reach[l])));
+    const vf main = v_add(v_mul(magnitude[j], length[l]), v_mul(magnitude[l], length[j]));
+    const vf others =
+        v_add(v_mul(magnitude[a], v_add(length[j], length[l])), v_mul(length[a], v_add(magnitude[j], magnitude[l])));
     const vf size = v_add(main, v_mul(others, v_set1(0.5f)));
     const vf scale = v_div(v_set1(1), v_max(size, v_set1(SMALLEST_SIZE)));
     MLRT_UNROLL

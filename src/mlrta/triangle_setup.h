@@ -47,7 +47,7 @@ static MLRT_NOINLINE void set_up_terms(const struct mlrt_triangle *triangle, con
                                        struct mlrt_triangle_setup *setup)
 {
     const float *weight = axis_weights[setup->main_axis & 3];
-    f4 corner[3], sum[3], edge[3], reach[3], length[3], scale = f4_set1(1);
+    f4 corner[3], sum[3], edge[3], magnitude[3], length[3], scale = f4_set1(1);
     f4_corners(triangle->v, corner);
     float vertex[3];
     for (int k = 0; k < 3; ++k) {
@@ -55,14 +55,14 @@ static MLRT_NOINLINE void set_up_terms(const struct mlrt_triangle *triangle, con
         edge[k] = f4_sub(f4_next(corner[k]), corner[k]);    /* b - a, c - b, a - c, b - a */
         sum[k] = f4_join(f4_add(to, f4_next(to)), edge[k]); /* the normal is (a - c) x (b - a) */
         length[k] = f4_abs(edge[k]);
-        reach[k] = f4_join(f4_max(f4_abs(sum[k]), length[k]), length[k]);
+        magnitude[k] = f4_join(f4_max(f4_abs(sum[k]), length[k]), length[k]);
         vertex[k] = f4_last(to);
     }
     if (!MLRT_GUESS) {
         f4 size = f4_set1(SMALLEST_SIZE);
         for (int k = 0; k < 3; ++k) {
             const int p = (k + 1) % 3, q = (k + 2) % 3;
-            const f4 products = f4_add(f4_mul(reach[p], length[q]), f4_mul(reach[q], length[p]));
+            const f4 products = f4_add(f4_mul(magnitude[p], length[q]), f4_mul(magnitude[q], length[p]));
             size = f4_add(size, f4_mul(products, f4_set1(weight[k])));
         }
         scale = f4_div(f4_set1(1), size);

@@ -3,9 +3,9 @@
  * Which processor gets which kernels. Instruction sets are looked up once per process: CPUID takes long in a virtual
  * machine.
  *
- * Calls with counters get kernels of the narrowest instruction set: SSE2, NEON, or plain C where there is neither. Its
- * kernels count in calls without counters, too. Kernels that count for every instruction set would nearly double the
- * size of the library.
+ * Calls with counters get kernels of the narrowest instruction set: SSE2, NEON, or plain C where there is neither.
+ * These count in calls without counters, too. Kernels that count for every instruction set would nearly double the size
+ * of the library.
  */
 #include "run/dispatch.h"
 

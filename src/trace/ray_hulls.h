@@ -89,8 +89,8 @@ enum least_term {
     LEAST_MINUS_INTERCEPT = 6,
     LEAST_FIRST = 8, /* the depth at which a ray begins */
     LEAST_MINUS_FIRST,
-    LEAST_MINUS_LAST, /* that at which it ends, at the latest */
-    LEAST_LAST,       /* at the earliest, if it has a hit: between lo and hi */
+    LEAST_MINUS_LAST, /* that after which it ends (hi) */
+    LEAST_LAST,       /* that before which it does not end (lo) */
     LEAST_TERMS
 };
 

@@ -1125,7 +1125,7 @@ extern "C" {
     /// than 2^30 - 1 triangles in all.
     ///
     /// Memory per triangle, its own 36 bytes included: 51 to 60 bytes, and at most 136 while the tree is built (FAST: 50 to
-    /// 56 and 127, BEST: 52 to 69 and 154). A flat grid takes as little as 48, meshes of a few triangles more, and masks 4
+    /// 56 and 127, BEST: 52 to 69 and 154). Flat grids take a little less, meshes of a few triangles more, and masks 4
     /// bytes per triangle. mlrt_tree_info tells how much a tree took.
     ///
     /// Method: surface area heuristic over bins, with spatial splits (M. Stich, H. Friedrich, A. Dietrich, "Spatial Splits
@@ -1154,8 +1154,8 @@ extern "C" {
     ///   options     NULL = defaults.
     ///   estimate    receives the estimate (struct_size must be set).
     ///
-    /// Scenes of more than a few thousand triangles take 80 to 110 % of it, flat grids 67 to 85 %. Only a memory_limit is
-    /// sure to hold.
+    /// Scenes of more than a few thousand triangles take 80 to 110 % of it, flat grids less. Only a memory_limit is sure to
+    /// hold.
     /// ```
     pub fn mlrt_estimate_tree(meshes: *const mlrt_mesh, mesh_count: usize, options: *const mlrt_tree_options, estimate: *mut mlrt_memory_estimate) -> i32;
 
