@@ -335,21 +335,19 @@ static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet
 }
 
 /*
- * The numbers of one ray's hit. Lanes are p, c-a, d and a-b, whose products with the normal and with p x d are the
- * numerators of t and u, D, and that of v. Returns 0 if the judge has to compute the numbers; then those in *hit have
- * no meaning.
+ * The numbers of one ray's hit. Lanes are p, a-c, d and a-b, whose products with the normal (a-c) x (a-b) and with
+ * p x d are the numerators of t and u, D, and that of v; but for v, all have the opposite sign. Returns 0 if the judge
+ * has to compute the numbers; then those in *hit have no meaning.
  */
 MLRT_INLINE int report_one_ray(const struct mlrt_corners *of, const float origin[3], const float direction[3],
                                mlrt_hit *hit)
 {
-    static const float zero = 0;
     const size_t row = of->row;
     d4 vector[3], left[3], right[3], other[3];
     MLRT_UNROLL
     for (size_t k = 0; k < 3; ++k) {
         const float *a = of->corner + k * row, *b = a + 3 * row, *c = a + 6 * row;
-        const float *const to[4] = {a, c, direction + k, a}, *const from[4] = {origin + k, a, &zero, b};
-        vector[k] = d4_differences(to, from);
+        vector[k] = d4_corner_terms(a, origin + k, c, direction + k, b);
         left[k] = d4_lower(vector[k]);
         right[k] = d4_upper(vector[k]);
     }
@@ -359,14 +357,14 @@ MLRT_INLINE int report_one_ray(const struct mlrt_corners *of, const float origin
         other[k] = d4_mul_sub(left[i], right[j], d4_mul(left[j], right[i]));
     }
     const d4 x = d4_mul_add(vector[2], other[2], d4_mul_add(vector[1], other[1], d4_mul(vector[0], other[0])));
-    const d4 inverse = d4_div(d4_set1(1), d4_third(x)), quotient = d4_mul(x, inverse);
+    const d4 inverse = d4_inverse(x), magnitude = d4_abs(x), greatest_d_size = d4_set1(MLRT_GREATEST_D_SIZE);
     const d4 length = d4_add(d4_add(d4_abs(vector[0]), d4_abs(vector[1])), d4_abs(vector[2]));
-    const d4 size = d4_mul(length, d4_mul(d4_lower(length), d4_upper(length))), denominator = d4_abs(inverse);
+    const d4 size = d4_mul(length, d4_mul(d4_lower(length), d4_upper(length)));
     const d4 width = d4_mul_add(d4_set1(MLRT_NUMERATOR_ERROR), size,
-                                d4_mul(d4_set1(MLRT_DENOMINATOR_ERROR * MLRT_GREATEST_D_SIZE), d4_abs(x)));
-    hit->facing = d4_first(inverse) > 0 ? 1 : -1;
-    return d4_round(d4_mul_add(width, denominator, quotient), d4_minus_mul(quotient, width, denominator), &hit->t) &
-           d4_third_gt(d4_set1(MLRT_GREATEST_D_SIZE), d4_mul(size, denominator));
+                                d4_mul(d4_set1(MLRT_DENOMINATOR_ERROR * MLRT_GREATEST_D_SIZE), magnitude));
+    hit->facing = d4_first(inverse) < 0 ? 1 : -1;
+    return d4_round(d4_mul(d4_add(x, width), inverse), d4_mul(d4_sub(x, width), inverse), &hit->t) &
+           d4_third_gt(d4_mul(greatest_d_size, magnitude), size);
 }
 
 #endif
