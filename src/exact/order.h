@@ -59,10 +59,10 @@ MLRT_INLINE d2 dot_two(struct two_vectors v, struct two_vectors w)
     return d2_add(d2_add(d2_mul(v.x, w.x), d2_mul(v.y, w.y)), d2_mul(v.z, w.z));
 }
 
-/* Do both triangles lie in one plane across an axis, by their coordinates along it? */
-MLRT_INLINE int share_plane_across(d2 ab, d2 ac, d2 a)
+/* Do both triangles lie in one plane across an axis? Along it, sides have these sizes, and corners a lie at `a`. */
+MLRT_INLINE int share_plane_across(d2 ab_size, d2 ac_size, d2 a)
 {
-    return d2_zero(d2_either(d2_either(ab, ac), d2_sub(a, d2_swap(a))));
+    return d2_gt(d2_max(d2_max(ab_size, ac_size), d2_abs(d2_sub(a, d2_swap(a)))), d2_set1(0)) == 0;
 }
 
 /*
@@ -87,10 +87,11 @@ MLRT_INLINE int comes_first(struct two_vectors origin, struct two_vectors along,
     const double order = d2_first(d2_sub(products, d2_swap(products)));
     const double bound = MLRT_ORDER_ERROR * d2_first(d2_add(sizes, d2_swap(sizes)));
     const double later = order * copysign(1, d2_first(d2_mul(d, d2_swap(d))));
-    const int is_tie =
-        share_plane_across(ab.x, ac.x, a.x) | share_plane_across(ab.y, ac.y, a.y) | share_plane_across(ab.z, ac.z, a.z);
-    const int known =
-        is_tie | ((fabs(later) > bound) & d2_gt(d2_abs(d), d2_mul(d2_set1(MLRT_LEAST_DENOMINATOR), d_size)));
+    const int is_tie = share_plane_across(ab_sizes.x, ac_sizes.x, a.x) |
+                       share_plane_across(ab_sizes.y, ac_sizes.y, a.y) |
+                       share_plane_across(ab_sizes.z, ac_sizes.z, a.z);
+    const int are_steep = d2_gt(d2_abs(d), d2_mul(d2_set1(MLRT_LEAST_DENOMINATOR), d_size)) == 3;
+    const int known = is_tie | ((fabs(later) > bound) & are_steep);
     if (!known) return -1;
     return (is_tie & wins_tie) | ((is_tie ^ 1) & (later < 0));
 }

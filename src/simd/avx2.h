@@ -94,8 +94,10 @@ MLRT_INLINE void v_store_rows(const float *first, size_t distance, unsigned char
     }
 }
 
+MLRT_INLINE vd d_of_quad(f4 a) { return _mm256_cvtps_pd(a); }
 MLRT_INLINE vd d_load(const float *p) { return _mm256_cvtps_pd(_mm_load_ps(p)); }
 MLRT_INLINE void d_store(float *p, vd a) { _mm_store_ps(p, _mm256_cvtpd_ps(a)); }
+MLRT_INLINE f4 quad_of_d(vd a) { return _mm256_cvtpd_ps(a); }
 MLRT_INLINE vd d_mul_add(vd a, vd b, vd c) { return _mm256_fmadd_pd(a, b, c); }
 MLRT_INLINE vd d_mul_sub(vd a, vd b, vd c) { return _mm256_fmsub_pd(a, b, c); }
 MLRT_INLINE vd d_select(unsigned lanes, vd a, vd b)

@@ -100,8 +100,10 @@ MLRT_INLINE void v_store_rows(const float *first, size_t distance, unsigned char
     }
 }
 
+MLRT_INLINE vd d_of_quad(f4 a) { return _mm512_cvtps_pd(_mm256_castps128_ps256(a)); }
 MLRT_INLINE vd d_load(const float *p) { return _mm512_cvtps_pd(_mm256_load_ps(p)); }
 MLRT_INLINE void d_store(float *p, vd a) { _mm256_store_ps(p, _mm512_cvtpd_ps(a)); }
+MLRT_INLINE f4 quad_of_d(vd a) { return lower_quad(_mm512_cvtpd_ps(a)); }
 MLRT_INLINE vd d_mul_add(vd a, vd b, vd c) { return _mm512_fmadd_pd(a, b, c); }
 MLRT_INLINE vd d_mul_sub(vd a, vd b, vd c) { return _mm512_fmsub_pd(a, b, c); }
 MLRT_INLINE vd d_select(unsigned lanes, vd a, vd b) { return _mm512_mask_blend_pd((__mmask8)lanes, b, a); }

@@ -15,14 +15,10 @@
 
 typedef vd d4;
 #if DW == 8
-MLRT_INLINE d4 widen_quad(f4 a) { return _mm512_cvtps_pd(_mm256_castps128_ps256(a)); }
-MLRT_INLINE f4 round_quad(d4 a) { return lower_quad(_mm512_cvtpd_ps(a)); }
 MLRT_INLINE d4 quad_of_doubles(__m256d a) { return _mm512_castpd256_pd512(a); }
 MLRT_INLINE __m256d doubles_of_quad(d4 a) { return _mm512_castpd512_pd256(a); }
 #define PERMUTE _mm512_permutex_pd
 #else
-MLRT_INLINE d4 widen_quad(f4 a) { return _mm256_cvtps_pd(a); }
-MLRT_INLINE f4 round_quad(d4 a) { return _mm256_cvtpd_ps(a); }
 MLRT_INLINE d4 quad_of_doubles(__m256d a) { return a; }
 MLRT_INLINE __m256d doubles_of_quad(d4 a) { return a; }
 #define PERMUTE _mm256_permute4x64_pd
@@ -30,8 +26,8 @@ MLRT_INLINE __m256d doubles_of_quad(d4 a) { return a; }
 MLRT_INLINE d4 d4_corner_terms(const float *a, const float *o, const float *c, const float *d, const float *b)
 {
     const f4 lower = _mm_blend_ps(_mm_broadcast_ss(o), _mm_broadcast_ss(c), 2);
-    const d4 from = widen_quad(_mm_blend_ps(lower, _mm_broadcast_ss(b), 8));
-    const d4 differences = d_sub(widen_quad(_mm_broadcast_ss(a)), from), direction = widen_quad(_mm_broadcast_ss(d));
+    const d4 from = d_of_quad(_mm_blend_ps(lower, _mm_broadcast_ss(b), 8));
+    const d4 differences = d_sub(d_of_quad(_mm_broadcast_ss(a)), from), direction = d_of_quad(_mm_broadcast_ss(d));
     return quad_of_doubles(_mm256_blend_pd(doubles_of_quad(differences), doubles_of_quad(direction), 4));
 }
 MLRT_INLINE d4 d4_set1(double a) { return d_set1(a); }
@@ -52,7 +48,7 @@ MLRT_INLINE double d4_first(d4 a) { return _mm256_cvtsd_f64(doubles_of_quad(a));
 MLRT_INLINE int d4_third_gt(d4 a, d4 b) { return d_gt(a, b) >> 2 & 1; }
 MLRT_INLINE int d4_round(d4 a, d4 b, float *rounded)
 {
-    const f4 first = f4_add(round_quad(a), f4_set1(0)), second = round_quad(b);
+    const f4 first = f4_add(quad_of_d(a), f4_set1(0)), second = quad_of_d(b);
     _mm_storel_pi((void *)rounded, first);
     rounded[2] = _mm_cvtss_f32(_mm_permute_ps(first, 3));
     return (_mm_movemask_ps(_mm_cmpeq_ps(first, second)) & 11) == 11;

@@ -8,6 +8,9 @@
  *   at_quarters        a vector of quads, each of which `load` makes for a square of 2x2 elements
  *   least_quad         of the quads that a vector consists of, the least in each lane; greatest_quad the greatest
  *   triple_at          three words, and a fourth of no meaning
+ *
+ * and it defines d_of_quad, the first lanes of a quad as doubles, as many as there are, for double_pair.h and
+ * double_quad.h; and quad_of_d, which rounds four doubles to floats, where DW is at least 4.
  */
 #ifndef MLRT_SIMD_INTRINSICS_H
 #define MLRT_SIMD_INTRINSICS_H

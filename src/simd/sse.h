@@ -85,6 +85,7 @@ MLRT_INLINE void v_store_rows(const float *first, size_t distance, unsigned char
     }
 }
 
+MLRT_INLINE vd d_of_quad(f4 a) { return _mm_cvtps_pd(a); }
 MLRT_INLINE vd d_load(const float *p) { return _mm_cvtps_pd(_mm_castsi128_ps(_mm_loadl_epi64((const void *)p))); }
 MLRT_INLINE void d_store(float *p, vd a) { _mm_storel_pi((void *)p, _mm_cvtpd_ps(a)); }
 MLRT_INLINE vd d_mul_add(vd a, vd b, vd c) { return d_add(d_mul(a, b), c); }

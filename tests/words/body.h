@@ -6,6 +6,8 @@
 #include <string.h>
 
 #include "rays/packet.h"
+#include "simd/double_pair.h"
+#include "simd/double_quad.h"
 #include "words.h"
 
 static void put_mask(struct word_output *out, int word, int v, vm mask)
@@ -121,6 +123,49 @@ static void run_doubles(const struct word_input *in, int lane, struct word_outpu
     put_bits(out, WORD_DOUBLE_SAME_FLOAT, lane, d_same_float(quotient, nearer));
 }
 
+static void put_pair(struct word_output *out, int word, int lane, d2 pair)
+{
+    out->values[word][lane] = (float)d2_first(pair);
+    out->values[word + 1][lane] = (float)d2_first(d2_swap(pair));
+}
+
+static void run_pair(const struct word_input *in, int lane, struct word_output *out)
+{
+    const float *p = in->a + lane, *q = in->b + lane;
+    const d2 a = d2_load(p, q), b = d2_mul(d2_load1(p), d2_set1(1.5));
+    put_pair(out, WORD_PAIR_LOAD, lane, a);
+    put_pair(out, WORD_PAIR_ADD, lane, d2_add(a, b));
+    put_pair(out, WORD_PAIR_SUB, lane, d2_sub(a, d2_swap(a)));
+    put_pair(out, WORD_PAIR_MUL, lane, d2_mul(a, b));
+    put_pair(out, WORD_PAIR_MAX, lane, d2_max(a, b));
+    put_pair(out, WORD_PAIR_ABS, lane, d2_abs(a));
+    out->integers[WORD_PAIR_GT][lane] = d2_gt(a, b) | d2_gt(d2_swap(a), b) << 2;
+}
+
+/* Returns whether both are the same floats. */
+static int put_four(struct word_output *out, int word, int lane, d4 four, d4 other)
+{
+    float rounded[3];
+    const int are_same = d4_round(four, other, rounded);
+    for (int i = 0; i < 3; ++i) out->values[word + i][lane] = rounded[i];
+    return are_same;
+}
+
+static void run_four(const struct word_input *in, int lane, struct word_output *out)
+{
+    const float *p = in->a + lane, *q = in->b + lane, *r = in->b + (lane + 1) % WORD_LANES;
+    const d4 a = d4_corner_terms(p, q, r, q, in->a + (lane + 5) % WORD_LANES), b = d4_lower(a), c = d4_upper(a);
+    const d4 inverse = d4_inverse(a), near = d4_mul(a, d4_set1(1 + 0x1p-25));
+    put_four(out, WORD_FOUR_TERMS, lane, a, a);
+    put_four(out, WORD_FOUR_LOWER, lane, b, b);
+    put_four(out, WORD_FOUR_UPPER, lane, c, c);
+    put_four(out, WORD_FOUR_INVERSE, lane, inverse, inverse);
+    put_four(out, WORD_FOUR_PRODUCT, lane, d4_sub(d4_mul(a, b), d4_add(d4_abs(b), c)), c);
+    out->integers[WORD_FOUR_THIRD_GT][lane] = (uint32_t)d4_third_gt(a, c);
+    out->integers[WORD_FOUR_ROUND][lane] = (uint32_t)put_four(out, WORD_FOUR_TERMS, lane, a, near);
+    out->values[WORD_FOUR_ROUND][lane] = (float)d4_first(near);
+}
+
 static void run_quad(const struct word_input *in, int v, struct word_output *out)
 {
     const f4 a = f4_load(in->a + v), b = f4_load(in->b + v);
@@ -196,6 +241,10 @@ void RUN_WORDS(const struct word_input *in, struct word_output *out)
     for (int v = 0; v < WORD_LANES; v += VW) {
         run_vector(in, v, out);
         run_loads(in, v, out);
+    }
+    for (int lane = 0; lane < WORD_LANES; ++lane) {
+        run_pair(in, lane, out);
+        run_four(in, lane, out);
     }
     for (int v = 0; v < WORD_LANES; v += 4) run_quad(in, v, out);
     for (int lane = 0; lane < WORD_LANES; lane += DW) run_doubles(in, lane, out);
