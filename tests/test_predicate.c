@@ -749,6 +749,23 @@ static void check_comes_first(const struct test_case *test, const struct mlrt_tr
     }
 }
 
+/* The corners of an odd triangle are NaNs: double says nothing of it, whatever the other one is. */
+static void nothing_is_said_of_odd_triangles(void **state)
+{
+    (void)state;
+    const float odd[9] = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN}, origin[3] = {0, 0, 0}, along[3] = {0, 0, 1};
+    static const float others[2][9] = {{0, 0, 1, 1, 0, 1, 0, 1, 1}, {-1, -1, 1, 1, -1, 2, 0, 1, 1.5f}};
+    for (size_t i = 0; i < 2; ++i) {
+        const struct mlrt_corners corners = {odd, 1, 0}, other = {others[i], 1, 0};
+        for (int wins_tie = 0; wins_tie < 2; ++wins_tie) {
+            const struct two_vectors o = load_twice(origin, 1), d = load_twice(along, 1);
+            assert_int_equal(comes_first(o, d, &corners, &other, wins_tie), -1);
+            assert_int_equal(comes_first(o, d, &other, &corners, wins_tie), -1);
+            assert_int_equal(comes_first(o, d, &corners, &corners, wins_tie), -1);
+        }
+    }
+}
+
 /* Compares in both directions, fast and exactly. 1 if the distances are equal. */
 static int check_pair(const struct test_case *test, const struct mlrt_triangle *second)
 {
@@ -1206,6 +1223,7 @@ static int tear_down(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nothing_is_said_of_odd_triangles),
         cmocka_unit_test(ordinary_rays),
         cmocka_unit_test(rays_from_the_plane),
         cmocka_unit_test(small_integers),

@@ -150,6 +150,45 @@ static void test_odd_triangles(void **state)
     }
 }
 
+/*
+ * Triangles a few floats beside an odd one, so that double or the judge has to say which a ray meets first. Leaves have
+ * NaNs for the corners of the odd one.
+ */
+static void odd_triangles_have_close_neighbours(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 24; seed++) {
+        struct random random = {.state = seed};
+        const float slope = seed % 3 ? 0 : 0.25f;
+        const float wall[3][3] = {{0, 0, 1}, {0x1p61f, 0, 1 + slope * 0x1p61f}, {0, 0x1p61f, 1}};
+        struct soup soup = {0};
+        struct ray_list list = {0};
+        if (seed % 2) soup_add_triangle(&soup, wall[0], wall[1], wall[2]);
+        for (int i = 0; i < 24; i++) {
+            float corners[3][3];
+            for (int j = 0; j < 3; j++) {
+                draw_point(&random, 0, 1, corners[j]);
+                corners[j][2] = 1 + slope * corners[j][0] + 0x1p-23f * (float)draw_below(&random, 4) - 0x1p-23f;
+            }
+            soup_add_triangle(&soup, corners[0], corners[1], corners[2]);
+        }
+        if (!(seed % 2)) soup_add_triangle(&soup, wall[0], wall[1], wall[2]);
+        struct fixture fixture = fixture_of_soup("close to an odd triangle", seed, &soup);
+        add_aimed_rays(&list, &random, &fixture, 100, -1, 1);
+        add_random_rays(&list, &random, 100, 0, 1);
+        for (int i = 0; i < 200; i++) {
+            float from[3], to[3];
+            draw_point(&random, 0, 1, from);
+            draw_point(&random, 0, 1, to);
+            to[2] = 1 + slope * to[0];
+            add_ray_towards(&list, from, to);
+        }
+        check_rays(&fixture, &list);
+        free_rays(&list);
+        free_fixture(&fixture);
+    }
+}
+
 /* ---- counts ------------------------------------------------------------------------------------------------------ */
 
 static mlrt_counters count_rays(const struct fixture *fixture, const struct ray_list *list, int32_t query)
@@ -447,6 +486,7 @@ int main(void)
         cmocka_unit_test(groups_give_up),
         cmocka_unit_test(test_scales),
         cmocka_unit_test(test_odd_triangles),
+        cmocka_unit_test(odd_triangles_have_close_neighbours),
         cmocka_unit_test(test_odd_triangles_stay_local),
         cmocka_unit_test(test_scales_have_one_tree),
         cmocka_unit_test(test_far_origins),

@@ -59,10 +59,13 @@ MLRT_INLINE d2 dot_two(struct two_vectors v, struct two_vectors w)
     return d2_add(d2_add(d2_mul(v.x, w.x), d2_mul(v.y, w.y)), d2_mul(v.z, w.z));
 }
 
-/* Do both triangles lie in one plane across an axis? Along it, sides have these sizes, and corners a lie at `a`. */
+/*
+ * Do both triangles lie in one plane across an axis? Along it, sides have these sizes, and corners a lie at `a`. Floats
+ * are multiples of 2^-149. If one triangle is odd (bvh/unit.c), `a` is a NaN, and so is the greatest of the sizes.
+ */
 MLRT_INLINE int share_plane_across(d2 ab_size, d2 ac_size, d2 a)
 {
-    return d2_gt(d2_max(d2_max(ab_size, ac_size), d2_abs(d2_sub(a, d2_swap(a)))), d2_set1(0)) == 0;
+    return d2_gt(d2_set1(0x1p-150), d2_max(d2_max(ab_size, ac_size), d2_abs(d2_sub(a, d2_swap(a))))) == 3;
 }
 
 /*
