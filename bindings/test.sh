@@ -121,7 +121,9 @@ test_go() {
     grep -q 'make package-go' without
 }
 
-# As a user has it: an empty folder, the program of the README, and the module from a proxy.
+# As a user has it: an empty folder, the program of the README, and the module from a proxy. Go keeps, in its cache, an index
+# of the files of a module by the folder that it is unpacked to, because a version never changes. This one does: so each
+# package has a folder of its own (golang/go#69179).
 test_go_package() {
     need go
     package=$(package go)
@@ -131,8 +133,8 @@ test_go_package() {
     cd "$work/go-package/user"
     unset LD_LIBRARY_PATH PKG_CONFIG_PATH
     export GOTOOLCHAIN=local CGO_ENABLED=1 GOPROXY="file://$work/packages/proxy" GONOSUMDB='*' GOFLAGS="-mod=mod -modcacherw"
-    export GOMODCACHE="$work/go-package/modules"
-    rm -rf "$GOMODCACHE"
+    rm -rf "$work"/go-package/modules*
+    export GOMODCACHE="$work/go-package/modules-$(cksum <"$package" | cut -d ' ' -f 1)"
     module=$(sed -n 's/^module //p' "$source/go/go.mod")
     sed -n '/^```go$/,/^```$/p' "$source/go/README.md" | sed '/^```/d' >main.go
     go mod init example.com/user

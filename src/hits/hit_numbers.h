@@ -27,9 +27,12 @@
  *     w = 12 u s(X) + 9 u s(D)  for u and v,     w = 12 u s(N) + 9 u 2^12 |N|  for t,
  *
  * and leaves 0.9 u of each size for the roundings of w, of its product with 1 / |D|, and of the ends by as much as
- * that. (By the reasons for t, 12 u s(X) + 9 u 2^12 |X| serves u and v as well: report_one_ray.) If both ends round to
- * one float, that is the answer; else the judge computes it. For a direction of usual length the width is 2^-38 of t,
- * and for u and v 2^-48 of the ratio of the triangle's size and distance: so one hit in thousands goes to the judge.
+ * that. If both ends round to one float, that is the answer; else the judge computes it. For a direction of usual length
+ * the width is 2^-38 of t, and for u and v 2^-48 of the ratio of the triangle's size and distance: so one hit in
+ * thousands goes to the judge.
+ *
+ * One ray (report_one_ray) has 12 u s(X) + 9 u 2^12 |X| for u and v as well, by the reasons for t, and its ends are
+ * (X + w) * (1 / D) and (X - w) * (1 / D): as many roundings.
  *
  * hit_terms.h caches the terms that all rays that hit a triangle share, and those that also depend on one origin:
  * neighbours mostly hit the same triangle. A packet that hits several triangles computes the terms for each lane.
