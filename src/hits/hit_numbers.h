@@ -27,8 +27,8 @@
  *     w = 12 u s(X) + 9 u s(D)  for u and v,     w = 12 u s(N) + 9 u 2^12 |N|  for t,
  *
  * and leaves 0.9 u of each size for the roundings of w, of its product with 1 / |D|, and of the ends by as much as
- * that. If both ends round to one float, that is the answer; else the judge computes it. For a direction of usual length
- * the width is 2^-38 of t, and for u and v 2^-48 of the ratio of the triangle's size and distance: so one hit in
+ * that. If both ends round to one float, that is the answer; else the judge computes it. For a direction of usual
+ * length the width is 2^-38 of t, and for u and v 2^-48 of the ratio of the triangle's size and distance: so one hit in
  * thousands goes to the judge.
  *
  * One ray (report_one_ray) has 12 u s(X) + 9 u 2^12 |X| for u and v as well, by the reasons for t, and its ends are
