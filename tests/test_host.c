@@ -123,7 +123,7 @@ static void assert_balanced(const struct books *books)
 
 static struct soup some_soup(size_t count)
 {
-    struct random random = {.state = 77};
+    struct random random = {77};
     struct soup soup = {NULL, 0, 0};
     soup_add_random(&soup, &random, count, 10, 1);
     return soup;
@@ -401,7 +401,7 @@ static void a_limit_is_kept_for_few_triangles(void **state)
 {
     (void)state;
     static float vertices[3 * 3 * 20];
-    struct random random = {.state = 77};
+    struct random random = {77};
     for (size_t i = 0; i < sizeof vertices / sizeof *vertices; i++) vertices[i] = (float)draw_below(&random, 9);
     for (uint32_t count = 0; count <= 20; count++) {
         const mlrt_mesh mesh = {

@@ -158,7 +158,7 @@ static void odd_triangles_have_close_neighbours(void **state)
 {
     (void)state;
     for (uint64_t seed = 0; seed < 24; seed++) {
-        struct random random = {.state = seed};
+        struct random random = {seed};
         const float slope = seed % 3 ? 0 : 0.25f;
         const float wall[3][3] = {{0, 0, 1}, {0x1p61f, 0, 1 + slope * 0x1p61f}, {0, 0x1p61f, 1}};
         struct soup soup = {0};

@@ -4,7 +4,7 @@
  * words in plain C say what each means.
  *
  * With AVX-512 the other half of a vector is computed as well. Half vectors would be slower between whole ones: while
- * there are whole ones, Intel's processors compute halves with one unit, not two (docs/tried.md, "Kept").
+ * there are whole ones, Intel's processors compute halves with one unit, not two (docs/tried.md, "What paid").
  */
 #ifndef MLRT_DOUBLE_QUAD_H
 #define MLRT_DOUBLE_QUAD_H
