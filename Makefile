@@ -6,6 +6,8 @@
 #   make test            builds and runs every test
 #   make test-mutants    breaks rules of the paper's method, and of covers, one at a time, in copies of the sources
 #                        (tests/mutants.txt), and shows that a test fails each time: minutes. MUTANTS="cover mailbox": those whose titles have such a word
+#   make hunt            looks for a wrong answer in scenes and rays that nobody has seen: CASES of them, from the number FIRST
+#                        on (if not given, the time in seconds)
 #   make test-python     tests the Python package in bindings/python, and its types if pyright is installed
 #   make test-bindings   tests the bindings of other languages whose tools are installed
 #   make deps-bindings   installs those of these tools that Debian has: LuaJIT, LuaRocks, g++ and clang
@@ -150,7 +152,7 @@ TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_
 .PHONY: all library examples docs docs-python demo reproduce format clean
 .PHONY: deps deps-study deps-docs deps-bindings deps-python
 .PHONY: package-rust package-go package-node package-java package-lua bindings-coverage
-.PHONY: test test-mutants test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn check-layers test-wheel test-trimesh
+.PHONY: test test-mutants test-python fuzz hunt test-bindings test-install check-abi update-abi check-header check-copies check-churn check-layers test-wheel test-trimesh
 .PHONY: install install-strip uninstall
 .PHONY: help test-packaging deps-packaging
 .PHONY: bench charts charts-accuracy charts-speed data data-reproduction data-price data-depth data-python
@@ -485,6 +487,14 @@ $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(TEST_COMMON) $(EXAMPLE_COMMON) 
 
 # Functions that the test replaces, to pretend what cannot be had everywhere.
 $(BUILD)/tests/test_messages: private WRAP := $(patsubst %,-Wl$(comma)--wrap=%,pthread_create mlrt_select_kernels mlrt_build_binary)
+
+# Arrays in all forms, and a tenth as many whole worlds (tests/worlds.h). A failure prints the command that repeats it.
+CASES ?= 20000
+FIRST ?= $(shell date +%s)
+
+hunt: $(BUILD)/tests/test_bundles $(BUILD)/tests/test_stability
+	$(BUILD)/tests/test_bundles $(CASES) $(FIRST)
+	$(BUILD)/tests/test_stability --worlds $$(($(CASES) / 10)) $(FIRST)
 
 # Fuzzes loading, from files that test_save writes, for as long as FUZZ says. Needs clang: see tests/fuzz_load.c.
 FUZZ ?= -max_total_time=60

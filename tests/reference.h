@@ -58,8 +58,7 @@ void reference_trace(struct reference_scene *scene, const struct reference_ray *
 /* One of all hits of a ray. */
 struct reference_list_hit {
     struct reference_hit hit;
-    int crossing; /* 1 = hit too by the ray whose origin has moved by (eps, eps^2, eps^3), eps > 0 as small as need be
-                   */
+    int crossing; /* 1 = also hit if the origin moves by (eps, eps^2, eps^3), for all small eps > 0 */
 };
 
 struct reference_totals {

@@ -6,11 +6,13 @@
 
 #include "hostile_rays.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #define PRINTED_LIMIT 5
+#define SINGLE_COUNT  64 /* at most: calls of one ray for each list and way */
 
 /* ---- ways -------------------------------------------------------------------------------------------------------- */
 
@@ -89,13 +91,19 @@ static struct reference_hit *judge(struct tally *tally, const struct fixture *fi
 static void tally_singles(struct tally *tally, const struct fixture *fixture, const struct ray_list *list,
                           const struct reference_hit *expected, size_t variant)
 {
-    mlrt_trace_options options = options_of(variant);
-    for (size_t i = 0; i < list->count; i += 64) {
-        if (list->rays[i].t_max == 0) continue; // a single ray cannot say this: 0 means no limit there
-        struct reference_hit got = trace_one(variant_tree(variant_at(variant), fixture), &list->rays[i], &options);
-        tally->answer_count++;
-        if (!same_hit(&expected[i], &got))
-            note(tally, fixture, "trace_ray", variant, i, &list->rays[i], &expected[i], &got);
+    const mlrt_tree *tree = variant_tree(variant_at(variant), fixture);
+    const mlrt_trace_options closest = options_of(variant);
+    mlrt_trace_options any = closest;
+    any.query = MLRT_QUERY_ANY;
+    for (size_t i = 0; i < list->count; i += list->count / SINGLE_COUNT + 1) {
+        const struct reference_ray *ray = &list->rays[i];
+        if (ray->t_max == 0) continue; // a single ray cannot say this: 0 means no limit there
+        struct reference_hit got = trace_one(tree, ray, &closest);
+        if (!same_hit(&expected[i], &got)) note(tally, fixture, "trace_ray", variant, i, ray, &expected[i], &got);
+        got = trace_one(tree, ray, &any);
+        if ((got.mesh == MLRT_NONE) != (expected[i].mesh == MLRT_NONE))
+            note(tally, fixture, "trace_ray, any hit", variant, i, ray, &expected[i], &got);
+        tally->answer_count += 2;
     }
 }
 
@@ -114,7 +122,7 @@ void tally_rays(struct tally *tally, const struct fixture *fixture, const struct
         assert_int_equal(mlrt_trace_packet(variant_tree(variant_at(v), fixture), &rays, &options, &hits), MLRT_OK);
         tally->library_seconds += processor_seconds() - start;
         compare_hits(tally, fixture, "trace_packet", v, list, expected, got);
-        if (options.method == MLRT_METHOD_RAY) tally_singles(tally, fixture, list, expected, v);
+        if (!is_kdtree_method(options.method)) tally_singles(tally, fixture, list, expected, v);
         if (!with_any_hit) continue;
         hits = (mlrt_hits){.struct_size = sizeof hits, .occluded = {occluded, 0, 0}};
         options.query = MLRT_QUERY_ANY;
@@ -127,6 +135,72 @@ void tally_rays(struct tally *tally, const struct fixture *fixture, const struct
     free(expected);
     free(got);
     free(occluded);
+}
+
+/* ---- all hits ---------------------------------------------------------------------------------------------------- */
+
+enum { LIST_CAPACITY = 4 };
+
+/* One of all hits, as the library writes it, and how many there are. */
+struct list_element {
+    struct reference_hit hit;
+    uint8_t crossing;
+};
+
+struct list_totals {
+    uint32_t hits;
+    uint32_t crossings;
+};
+
+static int same_lists(const struct reference_list_hit *expected, const struct reference_totals *expected_totals,
+                      const struct list_element *got, const struct list_totals *got_totals)
+{
+    static const struct reference_list_hit miss = {{INFINITY, 0, 0, MLRT_NONE, MLRT_NONE, 0}, 0};
+    int same =
+        got_totals->hits == expected_totals->hit_count && got_totals->crossings == expected_totals->crossing_count;
+    for (size_t j = 0; j < LIST_CAPACITY; j++) {
+        const struct reference_list_hit *wanted = j < expected_totals->hit_count ? &expected[j] : &miss;
+        same &= same_hit(&wanted->hit, &got[j].hit) && got[j].crossing == wanted->crossing;
+    }
+    return same;
+}
+
+void tally_lists(struct tally *tally, const struct fixture *fixture, const struct ray_list *list)
+{
+    struct list_element *elements = allocate_or_fail(list->count * LIST_CAPACITY, sizeof *elements);
+    struct list_totals *totals = allocate_or_fail(list->count, sizeof *totals);
+    const mlrt_tree *const trees[] = {fixture->tree, fixture->kdtree};
+    const size_t stride = sizeof *elements;
+    const mlrt_rays rays = public_rays(list);
+    const mlrt_hit_lists lists = {.struct_size = sizeof lists,
+                                  .capacity = LIST_CAPACITY,
+                                  .t = {&elements->hit.t, stride, 0},
+                                  .u = {&elements->hit.u, stride, 0},
+                                  .v = {&elements->hit.v, stride, 0},
+                                  .mesh = {&elements->hit.mesh, stride, 0},
+                                  .triangle = {&elements->hit.triangle, stride, 0},
+                                  .facing = {&elements->hit.facing, stride, 0},
+                                  .crossing = {&elements->crossing, stride, 0},
+                                  .total = {&totals->hits, sizeof *totals, 0},
+                                  .crossing_total = {&totals->crossings, sizeof *totals, 0}};
+    for (size_t n = 0; n < 2; n++) {
+        memset(elements, 0xA5, list->count * LIST_CAPACITY * stride);
+        memset(totals, 0xA5, list->count * sizeof *totals);
+        assert_int_equal(mlrt_trace_all_hits(trees[n], &rays, NULL, &lists), MLRT_OK);
+        for (size_t i = 0; i < list->count; i++) {
+            struct reference_list_hit expected[LIST_CAPACITY];
+            const struct list_element *got = &elements[i * LIST_CAPACITY];
+            const struct reference_totals expected_totals =
+                reference_trace_all(fixture->reference, &list->rays[i], expected, LIST_CAPACITY);
+            tally->answer_count++;
+            if (same_lists(expected, &expected_totals, got, &totals[i])) continue;
+            if (tally->difference_count++ < PRINTED_LIMIT)
+                print_difference(fixture, n ? "all hits, kd-tree" : "all hits", i, &list->rays[i], &expected[0].hit,
+                                 &got[0].hit);
+        }
+    }
+    free(elements);
+    free(totals);
 }
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
@@ -250,6 +324,7 @@ static void tally_batch(struct tally *tally, const struct fixture *fixture, size
     if (choice == 3) tally_lights(tally, fixture, &random, size);
     add_hostile_rays(&list, &random, fixture, draw_hostile_kind(&random), size);
     tally_rays(tally, fixture, &list, draw_below(&random, 4) == 0);
+    if (choice == 4) tally_lists(tally, fixture, &list);
     free_rays(&list);
 }
 

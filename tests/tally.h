@@ -19,8 +19,11 @@ struct tally {
 /* How many ways of tracing are compared. */
 size_t tally_way_count(void);
 
-/* trace_packet, closest hit and, if asked for, any hit; trace_ray for every 64th ray. */
+/* trace_packet, closest hit and, if asked for, any hit; trace_ray for some of the rays. */
 void tally_rays(struct tally *tally, const struct fixture *fixture, const struct ray_list *list, int with_any_hit);
+
+/* trace_all_hits: the first hits of each ray, and how many there are. */
+void tally_lists(struct tally *tally, const struct fixture *fixture, const struct ray_list *list);
 
 /* render_tiles, closest and any hit, and trace_packet on what camera_rays writes. */
 void tally_camera(struct tally *tally, const struct fixture *fixture, const mlrt_camera *camera);
@@ -30,7 +33,7 @@ void tally_points(struct tally *tally, const struct fixture *fixture, const floa
                   size_t count, const mlrt_light *light);
 
 /*
- * At least `ray_count` rays of all hostile kinds, with pictures, lights and any-hit among them, in batches, or as many
+ * At least `ray_count` rays of all hostile kinds, with pictures, lights, lists and any-hit among them, in batches, or as many
  * as `seconds` of processor time allow. Batch n has the seed fixture->seed + n, which differences are printed with: as
  * `seed` it gives them again, first.
  */

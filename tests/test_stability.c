@@ -8,6 +8,7 @@
  *                                                       every scene with PRODUCT / triangles rays, 1e9 if not given
  *                                                       (PRODUCT / 500 in scenes of fewer than 500 triangles), but
  *                                                       for no more than N seconds of processor time
+ *     test_stability --worlds COUNT [FIRST]             so many worlds (worlds.h) from the number FIRST on
  *     test_stability --sphere                           all rays of the sphere
  */
 #include <math.h>
@@ -15,10 +16,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bundle_rays.h"
 #include "hard_scenes.h"
 #include "hostile_rays.h"
 #include "support.h"
 #include "tally.h"
+#include "worlds.h"
 
 /* ---- hard scenes ------------------------------------------------------------------------------------------------- */
 
@@ -107,6 +110,59 @@ static int run_scenes(double product, double seconds, const char *only)
         free_fixture(&fixture);
     }
     print_row("total", 0, &sum, product_sum);
+    return sum.difference_count != 0;
+}
+
+/* ---- worlds ------------------------------------------------------------------------------------------------------ */
+
+/* Hostile rays, and two bundles: all ways of tracing but those that masks and strides take, which test_bundles draws. */
+static void tally_world(struct tally *tally, uint64_t number)
+{
+    struct world world = {.mesh_count = 0};
+    struct random random = {number};
+    make_world(number, 1, &world);
+    tally_hostile(tally, &world.fixture, 300, INFINITY);
+    for (int i = 0; i < 2; i++) {
+        const struct bundle_shape shape = {1 + draw_below(&random, 100), 1 + draw_below(&random, 32)};
+        struct ray_list list = {0};
+        add_bundle_rays(&list, &random, &world.fixture, draw_below(&random, (uint32_t)bundle_kind_count()), shape);
+        spoil_bundle(&list, &random, &world.fixture);
+        list.row_length = shape.width;
+        tally_rays(tally, &world.fixture, &list, 1);
+        if (i == 0) tally_lists(tally, &world.fixture, &list);
+        free_rays(&list);
+    }
+    free_world(&world);
+}
+
+static void worlds_of_every_scene(void **state)
+{
+    (void)state;
+    for (uint64_t i = 0; i < scaled(2 * world_scene_count()); i++) {
+        struct tally tally = {0};
+        tally_world(&tally, i);
+        if (tally.difference_count)
+            fail_msg("%llu differences: test_stability --worlds 1 %llu", (unsigned long long)tally.difference_count,
+                     (unsigned long long)i);
+    }
+}
+
+static int run_worlds(uint64_t count, uint64_t first)
+{
+    struct tally sum = {0};
+    for (uint64_t i = 0; i < count; i++) {
+        const uint64_t before = sum.difference_count;
+        tally_world(&sum, first + i);
+        if (sum.difference_count != before)
+            printf("differences in world %llu: test_stability --worlds 1 %llu\n", (unsigned long long)(first + i),
+                   (unsigned long long)(first + i));
+        if (i + 1 == count || (i + 1) % 1000 == 0) {
+            printf("%llu worlds, %llu rays, %llu answers, %llu differences\n", (unsigned long long)i + 1,
+                   (unsigned long long)sum.ray_count, (unsigned long long)sum.answer_count,
+                   (unsigned long long)sum.difference_count);
+            fflush(stdout);
+        }
+    }
     return sum.difference_count != 0;
 }
 
@@ -338,10 +394,13 @@ int main(int argc, char **argv)
         return 0;
     }
     if (strcmp(what, "--scenes") == 0) return run_scenes_by_arguments(argc, argv);
+    if (strcmp(what, "--worlds") == 0)
+        return run_worlds(argc > 2 ? strtoull(argv[2], NULL, 10) : 1000, argc > 3 ? strtoull(argv[3], NULL, 10) : 0);
     if (strcmp(what, "--sphere") == 0) return run_sphere();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_case_has_a_scene_or_a_ray),
         cmocka_unit_test(every_hard_scene),
+        cmocka_unit_test(worlds_of_every_scene),
         cmocka_unit_test(no_ray_leaves_the_sphere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
