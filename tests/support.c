@@ -16,17 +16,6 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define SANITIZED 1
-#endif
-#endif
-#ifndef SANITIZED
-#define SANITIZED 0
-#endif
-
 /* ONE_TEST=NAME: of a program's tests, this alone is run. */
 __attribute__((constructor)) static void choose_test(void)
 {
@@ -36,7 +25,7 @@ __attribute__((constructor)) static void choose_test(void)
 
 size_t scaled(size_t count)
 {
-    return SANITIZED ? (count + 7) / 8 : count;
+    return SANITIZED ? (count + 15) / 16 : count;
 }
 
 void *allocate_or_fail(size_t count, size_t size)

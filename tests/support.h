@@ -17,7 +17,22 @@
 #include "mlrt.h"
 #include "reference.h"
 
-/* `count` as it is, or an eighth of it (at least 1) in a build with sanitizers. */
+/*
+ * 1 in a build with sanitizers. Pictures, scenes and numbers of cases are smaller there, since what is found depends on
+ * which code runs, not on how often.
+ */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define SANITIZED 1
+#endif
+#endif
+#ifndef SANITIZED
+#define SANITIZED 0
+#endif
+
+/* `count` as it is, or a sixteenth of it (at least 1) in a build with sanitizers. */
 size_t scaled(size_t count);
 
 /* ---- random numbers ---------------------------------------------------------------------------------------------- */

@@ -214,7 +214,7 @@ static void check_odd_views(uint64_t seed, int is_parallel)
     static const float eye[3] = {0.1f, -3, 0.7f};
     struct random random = {seed};
     struct fixture fixture = make_scene(seed + 1);
-    for (int i = 0; i < 24; i++) {
+    for (size_t i = 0; i < scaled(24); i++) {
         struct ray_list list = {0};
         if (is_parallel) {
             add_parallel_view(&list, DIRECTIONS[0]);
@@ -380,7 +380,7 @@ static void one_ray_of_a_tile(void **state)
     (void)state;
     static struct tile_answers expected, got;
     size_t uniform = 0;
-    for (uint64_t seed = 0; seed < 240; seed++) {
+    for (uint64_t seed = 0; seed < scaled(240); seed++) {
         struct random random = {2300 + seed};
         struct fixture fixture = make_room(&random, seed);
         struct ray_list list = {0};

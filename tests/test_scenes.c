@@ -25,7 +25,7 @@
 #include "reference.h"
 #include "tally.h"
 
-enum { SIDE = 512, PIXEL_LIMIT = 100000 };
+enum { SIDE = SANITIZED ? 128 : 512, PIXEL_LIMIT = 100000 };
 
 /* The pictures of one scene, and what the reference says of them. */
 struct subject {

@@ -660,7 +660,8 @@ static void the_room_with_its_lamp(void **state)
 static void hard_scenes_by_hostile_cameras_and_lights(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < hard_scene_count(); i += 1 + (size_t)hard_scene_at(i)->deep) { // few of the deepest trees
+    for (size_t i = 0; i < hard_scene_count();
+         i += variant_step() + (size_t)hard_scene_at(i)->deep) { // few of the deepest trees
         struct random random = {100 + i};
         struct fixture fixture = make_hard_scene(i);
         mlrt_camera camera = draw_hostile_camera(&random, &fixture, 17 + draw_below(&random, 4));

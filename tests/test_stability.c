@@ -356,7 +356,7 @@ static void no_ray_leaves_the_sphere(void **state)
 {
     (void)state;
     for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
-        size_t misses = run_column(&columns[i], scaled(1) == scaled(8) ? 512 : 256, 0);
+        size_t misses = run_column(&columns[i], scaled(1) == scaled(16) ? 512 : 256, 0);
         if (misses) fail_msg("sphere, %s: %zu misses (test_stability --sphere says more)", columns[i].name, misses);
     }
 }

@@ -137,7 +137,7 @@ static void test_odd_triangles(void **state)
     (void)state;
     static const int powers[] = {0, 0, -50, 50};
     for (size_t odd = 0; odd < ODD_COUNT; odd++) {
-        for (size_t i = 0; i < 4; i++) {
+        for (size_t i = 0; i < scaled(4); i++) {
             struct random random = {odd + 1};
             struct soup scene = draw_scene(&random, i == 1 ? 20 : 60);
             char name[96];
