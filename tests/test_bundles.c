@@ -496,11 +496,11 @@ static void run_case(uint64_t number)
 
 /* ---- tests ------------------------------------------------------------------------------------------------------- */
 
-/* One kind of bundle in two worlds of every scene. */
+/* One kind of bundle in three worlds of every scene. */
 static void check_kind(void **state)
 {
     const size_t kind = *(const size_t *)*state;
-    for (size_t i = 0; i < scaled(2 * world_scene_count()); i++) run_case(kind + bundle_kind_count() * i);
+    for (size_t i = 0; i < scaled(3 * world_scene_count()); i++) run_case(kind + bundle_kind_count() * i);
 }
 
 static void run_cases(void **state)

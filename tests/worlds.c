@@ -452,15 +452,15 @@ void make_world(uint64_t number, int with_kdtree, struct world *world)
 {
     static const int powers[] = {-100, -70, -30, 0, 30, 70, 100};
     static const int32_t presets[] = {MLRT_TREE_DEFAULT, MLRT_TREE_DEFAULT, MLRT_TREE_FAST, MLRT_TREE_BEST};
-    struct random random = {number * 7919 + 17};
+    struct random random = {number * 7919 + 17}, twister = {number};
     const size_t scene = number % SCENE_COUNT;
     int power = draw_below(&random, 2) ? powers[draw_below(&random, 7)] : 0;
-    const uint32_t is_twisted = draw_below(&random, 2);
+    const int is_twisted = number >= 2 * SCENE_COUNT && draw_below(&twister, 3) > 0;
     if (!scenes[scene].has_scale) power = 0;
     snprintf(world->name, sizeof world->name, "world %llu: %s%s, * 2^%d", (unsigned long long)number,
              scenes[scene].name, is_twisted ? ", twisted" : "", power);
     scenes[scene].make(&world->soup, &random);
-    if (is_twisted) twist(&world->soup, &random);
+    if (is_twisted) twist(&world->soup, &twister);
     scale_from(&world->soup, 0, power);
     make_meshes(world, &random);
     const mlrt_tree_options options = {.struct_size = sizeof options, .preset = presets[draw_below(&random, 4)]};

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Scenes without end, of up to some hundred triangles each, on which ray tracers could fail. A world is a number: it
- * chooses one of some twenty scenes, and the seed from which all else is drawn. Half of the worlds are twisted: parts of
- * other scenes join them, triangles become too large or too small for float, lie across an axis, or are there several
- * times, a few floats aside; axes have scales of their own; triangles change their order.
+ * chooses one of some twenty scenes, and the seed from which all else is drawn. After the first two worlds of each scene
+ * most are twisted: parts of other scenes join them, triangles become too large or too small for float, lie across an
+ * axis, or are there several times, a few floats aside; axes have scales of their own; triangles change their order.
  *
  * What a fixed list of scenes has not, these have: any two ways to be hard, at once.
  */
