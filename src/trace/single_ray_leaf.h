@@ -159,7 +159,6 @@ static MLRT_NOINLINE struct corner_rows settle_undecided(const struct mlrt_job *
                                                          struct corner_rows nearest, struct mlrt_packet *packet,
                                                          struct mlrt_worker *worker)
 {
-    uint32_t tried = 0;
     hit &= undecided;
     if (undecided & ~hit) {
         undecided &= hit | places_ahead(corners, row, lane, packet, worker);
@@ -172,12 +171,11 @@ static MLRT_NOINLINE struct corner_rows settle_undecided(const struct mlrt_job *
             least = x < least ? x : least;
         }
         packet->nearest.lo[lane] = least;
-        tried = order_places(job, numbers, corners, row, hit, lane, &nearest, packet, worker);
-        undecided = (undecided & ~hit) | tried;
+        undecided &= ~hit | order_places(job, numbers, corners, row, hit, lane, &nearest, packet, worker);
         if (MLRT_LIKELY(!undecided)) return nearest;
     }
     const uint32_t before = packet->nearest.triangle[lane];
-    decide_scaled_triangles(job, numbers, undecided, inside, tried, lane, packet, worker);
+    decide_scaled_triangles(job, numbers, undecided, inside, lane, packet, worker);
     const uint32_t after = packet->nearest.triangle[lane];
     return after == before ? nearest : (struct corner_rows){corners + find_place(numbers, after), row};
 }
