@@ -407,7 +407,7 @@ static int finish_bundle(int has_intercepts)
 {
     bundle.has.intercepts = has_intercepts;
     bundle.has.apex = !has_intercepts && find_apex(&bundle, bundle.apex);
-    const uint32_t fit = bound_from_anywhere(&bundle, 0), active = tile.packets[0].active;
+    const uint32_t fit = bound_rays(&bundle, 0), active = tile.packets[0].active;
     if ((fit & active) != active || !hulls_fit(&bundle, 1)) return 0;
     assert_int_equal(bundle.state.apexes, !has_intercepts);
     finish_depths(&bundle, 1, 0);

@@ -173,7 +173,7 @@ static MLRT_NOINLINE int make_rays_of_packet(const struct mlrt_job *job, struct 
     int fits = packet->active && !packet->in_double;
     if (fits && (bundle->scene.unit != 1 || bundle->tile->seen)) { /* bounds of the rays are closer than the cell's */
         const float last = bundle->hulls.last[place];              /* may be the cover's */
-        fits = !(packet->active & ~bound_from_anywhere(bundle, place)) && hulls_fit(bundle, 1u << place);
+        fits = !(packet->active & ~bound_rays(bundle, place)) && hulls_fit(bundle, 1u << place);
         finish_depths(bundle, 1u << place, v);
         if (last < bundle->hulls.last[place]) bundle->hulls.last[place] = last;
         finish_hulls(bundle, v);

@@ -294,22 +294,12 @@ MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, i
     return fit;
 }
 
-static MLRT_NOINLINE uint32_t bound_rays(struct mlrt_bundle *bundle, uint32_t place)
-{
-    return bound_rays_by(bundle, place, 1);
-}
-
-static MLRT_NOINLINE uint32_t bound_apex_rays(struct mlrt_bundle *bundle, uint32_t place)
-{
-    return bound_rays_by(bundle, place, 0);
-}
-
 /* Bounds a packet, wherever its rays start. Returns the lanes whose rays can be traced with the bundle. */
-static uint32_t bound_from_anywhere(struct mlrt_bundle *bundle, uint32_t place)
+static MLRT_NOINLINE uint32_t bound_rays(struct mlrt_bundle *bundle, uint32_t place)
 {
     const int is_apex = bundle->has.apex && starts_at_waist(bundle->apex, &bundle->tile->packets[place]);
     bundle->state.apexes |= (uint32_t)is_apex << place;
-    return is_apex ? bound_apex_rays(bundle, place) : bound_rays(bundle, place);
+    return is_apex ? bound_rays_by(bundle, place, 0) : bound_rays_by(bundle, place, 1);
 }
 
 /* By its hull, may a packet have slopes between -LEAST_SLOPE and LEAST_SLOPE? */

@@ -124,7 +124,7 @@ static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
     for (uint32_t left = ~(places | cells) & 0xFFFF; left; left &= left - 1)
         leave_bundle(bundle, mlrt_lowest_bit(left));
     for (uint32_t left = places; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left), fit = bound_from_anywhere(bundle, place);
+        const uint32_t place = mlrt_lowest_bit(left), fit = bound_rays(bundle, place);
         odd |= (uint32_t)((bundle->tile->packets[place].active & ~fit) != 0) << place;
     }
     bundle->state.going = cells | hulls_fit(bundle, places & ~odd);
@@ -132,7 +132,7 @@ static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
         const uint32_t place = mlrt_lowest_bit(left), bit = left & (0u - left);
         struct mlrt_packet *packet = &bundle->tile->packets[place];
         check_packet_outside(&bundle->scene, packet);
-        const int fits = packet->active && !(packet->active & ~bound_from_anywhere(bundle, place));
+        const int fits = packet->active && !(packet->active & ~bound_rays(bundle, place));
         if (fits && hulls_fit(bundle, bit)) {
             bundle->state.going |= bit;
         } else {
