@@ -55,10 +55,7 @@ MLRT_INLINE void take_hull(const struct mlrt_bundle *bundle, uint32_t place, str
     of->first = hulls->first[place];
     of->last = hulls->last[place];
     MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) {
-        of->slope_lo[i] = hulls->slope[i].lo[place], of->slope_hi[i] = hulls->slope[i].hi[place];
-        of->intercept_lo[i] = hulls->intercept[i].lo[place], of->intercept_hi[i] = hulls->intercept[i].hi[place];
-    }
+    for (int i = 0; i < MLRT_MOMENT; ++i) of->lo[i] = hulls->moved[i].lo[place], of->hi[i] = hulls->moved[i].hi[place];
 }
 
 /*
@@ -141,8 +138,8 @@ MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle *bundle, const struc
                        v_ge(v_load(leaf->outline.far + v), v_set1(hull->first)));
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
-            const vf slope[2] = {v_set1(hull->slope_lo[i]), v_set1(hull->slope_hi[i])};
-            const vf intercept[2] = {v_set1(hull->intercept_lo[i]), v_set1(hull->intercept_hi[i])};
+            const vf slope[2] = {v_set1(hull->lo[MLRT_SLOPE_J + i]), v_set1(hull->hi[MLRT_SLOPE_J + i])};
+            const vf intercept[2] = {v_set1(hull->lo[MLRT_INTERCEPT_J + i]), v_set1(hull->hi[MLRT_INTERCEPT_J + i])};
             vf ends[2];
             find_outline_ends(&bundle->waist, i, v_load(leaf->outline.weight + v), is_fan, are_fans, slope, intercept,
                               has_intercepts, ends);

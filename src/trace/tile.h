@@ -86,8 +86,8 @@ static int ends_closer(const struct mlrt_bundle *bundle)
     const float last = whole->last < bundle->scene.core_last ? whole->last : bundle->scene.core_last;
     float spread = 0, width = 0;
     for (int i = 0; i < 2; ++i) {
-        spread += whole->slope_hi[i] - whole->slope_lo[i];
-        width += whole->intercept_hi[i] - whole->intercept_lo[i];
+        spread += whole->hi[MLRT_SLOPE_J + i] - whole->lo[MLRT_SLOPE_J + i];
+        width += whole->hi[MLRT_INTERCEPT_J + i] - whole->lo[MLRT_INTERCEPT_J + i];
     }
     return spread * (last - first) < width || fabsf(last) < fabsf(first);
 }
