@@ -181,6 +181,7 @@ static void begin_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
 /* Makes the hulls of all packets from the extremes of their rays. They have no covers so far. */
 static void finish_all_hulls(struct mlrt_bundle *bundle)
 {
+    bundle->has.intercepts = (bundle->state.going & ~bundle->state.apexes) != 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         finish_depths(bundle, bundle->state.going, v);
         finish_hulls(bundle, v);
@@ -212,7 +213,6 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     bundle->has.apex = may_be_apex && find_apex(bundle, bundle->apex);
     const uint32_t others = add_packets(bundle, places);
     if (!bundle->state.going) return others;
-    bundle->has.intercepts = (bundle->state.going & ~bundle->state.apexes) != 0;
     finish_all_hulls(bundle);
     bundle->state.closed = mlrt_skips_attempt(&worker->bundles->open_bundles[job->any]) ? 0 : bundle->state.going;
     bundle->state.closed |= cells;
@@ -220,9 +220,6 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
         if (bundle->tile->packets[mlrt_lowest_bit(left)].has.masks) bundle->state.closed &= ~(left & (0u - left));
     }
     take_wide_packets_apart(job->any, places, bundle);
-    sum_up_hulls(bundle);
-    bundle->far_first = job->any && ends_closer(bundle);
-    keep_bundle_waist(&bundle->waist, bundle->cache);
     return others;
 }
 
@@ -255,6 +252,9 @@ static void trace_first_parts(const struct mlrt_job *job, struct mlrt_worker *wo
 static void trace_going_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
     uint32_t first[MLRT_BUNDLE_PACKETS], places = 0;
+    sum_up_hulls(bundle);
+    bundle->far_first = job->any && ends_closer(bundle);
+    keep_bundle_waist(&bundle->waist, bundle->cache);
     trace_first_parts(job, worker, bundle);
     const uint32_t going = bundle->state.going;
     for (uint32_t left = bundle->state.divided; left; left &= left - 1) {
@@ -298,7 +298,6 @@ static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_wo
 {
     begin_bundle(job, worker, bundle);
     bundle->has.apex = bundle->state.apexes && find_apex(bundle, bundle->apex);
-    bundle->has.intercepts = (bundle->state.going & ~bundle->state.apexes) != 0;
     set_scene_depths(&job->tree->bvh, bundle);
     for (uint32_t left = ~bundle->state.going & 0xFFFF; left; left &= left - 1)
         leave_bundle(bundle, mlrt_lowest_bit(left));
@@ -307,9 +306,6 @@ static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_wo
     for (uint32_t left = is_open ? bundle->state.going : 0; left; left &= left - 1) {
         open_bundle_packet(job, bundle, mlrt_lowest_bit(left));
     }
-    sum_up_hulls(bundle);
-    bundle->far_first = job->any && ends_closer(bundle);
-    keep_bundle_waist(&bundle->waist, bundle->cache);
     trace_going_packets(job, worker, bundle);
     if (bundle->arrays) mlrt_end_cover_parts(bundle, &worker->bundles->parts);
     if (bundle->state.set_aside) trace_packets_by_lanes(job, worker, bundle->tile, bundle->state.set_aside);
