@@ -79,22 +79,10 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
 }
 
 /*
- * Begins with the rows of a tile at (x, y): those of its rays, and of the caller's arrays for their results. A list has
- * none, as it is read in order.
- */
-static void begin_rows_ahead(const struct mlrt_job *job, uint32_t x, uint32_t y, struct mlrt_rows_ahead *rows)
-{
-    const uint32_t width = job->source.width;
-    rows->height = 0;
-    if (mlrt_is_list(&job->source)) return;
-    mlrt_begin_source_rows(&job->source, x, y, rows);
-    if (rows->height) mlrt_add_sink_rows(&job->frame, x, y, width - x < 16 ? width - x : 16, rows);
-}
-
-/*
- * Writes the results of the packets of a tile, and prefetches rows of the next one. They lie too far apart for the
- * processor's own prefetching, and only few cache misses can be under way at once: so each packet that is written
- * prefetches one row.
+ * Writes the results of the packets of a tile, and prefetches rows of the next one: those of its rays, and of the
+ * caller's arrays for their results. They lie too far apart for the processor's own prefetching, and only few cache
+ * misses can be under way at once: so each packet that is written prefetches one row. A list has no rows, as it is read
+ * in order.
  */
 static MLRT_NOINLINE void write_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
                                         struct mlrt_ray_tile *tile, const struct mlrt_bundle *bundle)
@@ -105,7 +93,12 @@ static MLRT_NOINLINE void write_packets(const struct mlrt_job *job, struct mlrt_
     struct mlrt_rows_ahead rows;
     uint32_t next_x, next_y;
     find_next_tile(&job->source, &tile->area, &next_x, &next_y);
-    begin_rows_ahead(job, next_x, next_y, &rows);
+    rows.height = 0;
+    if (!mlrt_is_list(&job->source)) mlrt_begin_source_rows(&job->source, next_x, next_y, &rows);
+    if (rows.height) {
+        const uint32_t width = job->source.width - next_x;
+        mlrt_add_sink_rows(&job->frame, next_x, next_y, width < 16 ? width : 16, &rows);
+    }
     for (uint32_t left = tile->blocks; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), ahead = place + 2;
         mlrt_prefetch_rows(&rows, place);

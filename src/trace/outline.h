@@ -35,12 +35,6 @@
 /* A triangle that comes nearer to the waist, in depth, is not a fan. */
 #define LEAST_FAN_DEPTH 0x1p-60f
 
-/* The greatest |x| of a hull. */
-MLRT_INLINE vf greatest_intercept(vf lo, vf hi)
-{
-    return v_max(v_abs(lo), v_abs(hi));
-}
-
 /* The greatest |s - t| of a hull. */
 MLRT_INLINE vf greatest_turn(const struct mlrt_waist *waist, int side, vf lo, vf hi)
 {
@@ -112,7 +106,7 @@ MLRT_INLINE void find_outline_ends(const struct mlrt_waist *waist, int side, vf 
 {
     vf widest = v_set1(0);
     ends[0] = slope[0], ends[1] = slope[1];
-    if (has_intercepts) widest = greatest_intercept(intercept[0], intercept[1]);
+    if (has_intercepts) widest = v_max(v_abs(intercept[0]), v_abs(intercept[1]));
     if (MLRT_UNLIKELY(!are_fans)) {
         ends[0] = v_select(is_fan, ends[0], has_intercepts ? intercept[0] : v_set1(0));
         ends[1] = v_select(is_fan, ends[1], has_intercepts ? intercept[1] : v_set1(0));

@@ -188,7 +188,7 @@ static MLRT_NOINLINE uint32_t settle_leaf(const struct mlrt_job *job, struct mlr
                 left = settle_ends(job->tree, bundle, leaf, close[i].triangle, place, left, close[i].inside, plane, v,
                                    nearest);
         } else {
-            if (left) left = settle_lanes(job, worker, bundle, place, number, left, close[i].inside, plane, v, nearest);
+            left = settle_lanes(job, worker, bundle, place, number, left, close[i].inside, plane, v, nearest);
         }
         if (left) {
             decided |= decide_bundle_lanes(job, worker, bundle, place, number, left, close[i].inside, v, nearest);
