@@ -407,7 +407,7 @@ static int finish_bundle(int has_intercepts)
 {
     bundle.has.intercepts = has_intercepts;
     bundle.has.apex = !has_intercepts && find_apex(&bundle, bundle.apex);
-    const uint32_t fit = bound_from_anywhere(&bundle, 0), active = tile.packets[0].active;
+    const uint32_t fit = bound_rays(&bundle, 0), active = tile.packets[0].active;
     if ((fit & active) != active || !hulls_fit(&bundle, 1)) return 0;
     assert_int_equal(bundle.state.apexes, !has_intercepts);
     finish_depths(&bundle, 1, 0);
@@ -543,7 +543,10 @@ static double attack_hull(const float *input)
             radius[side] = hulls->filter.radius[MLRT_SLOPE_J + side][0];
             worst = fmax(worst, beyond(slopes->lo[0], slopes->hi[0], 0x1p-21 * slope_size + 0x1p-140));
             worst = fmax(worst, fabs(error_over(middle, radius[side] + 0x1p-148)) > 1 ? INFINITY : 0);
-            worst = fmax(worst, beyond(hulls->slope[side].lo[0], hulls->slope[side].hi[0], 1) > 0 ? INFINITY : 0);
+            worst = fmax(worst,
+                         beyond(hulls->moved[MLRT_SLOPE_J + side].lo[0], hulls->moved[MLRT_SLOPE_J + side].hi[0], 1) > 0
+                             ? INFINITY
+                             : 0);
             mpf_mul(truth, origin[ray].x[1 + side], direction[ray].x[0]);
             mpf_mul(product, origin[ray].x[0], direction[ray].x[1 + side]);
             mpf_sub(truth, truth, product);
@@ -551,8 +554,10 @@ static double attack_hull(const float *input)
             worst =
                 fmax(worst,
                      fabs(error_over(at, hulls->filter.radius[MLRT_INTERCEPT_J + side][0] + error)) > 1 ? INFINITY : 0);
-            worst =
-                fmax(worst, beyond(hulls->intercept[side].lo[0], hulls->intercept[side].hi[0], 1) > 0 ? INFINITY : 0);
+            worst = fmax(worst, beyond(hulls->moved[MLRT_INTERCEPT_J + side].lo[0],
+                                       hulls->moved[MLRT_INTERCEPT_J + side].hi[0], 1) > 0
+                                    ? INFINITY
+                                    : 0);
             if (13 * 0x1p-24 * size > hulls->filter.blur[0]) return INFINITY;
         }
         /* m d_main^2 = d_l (x_j d_main) - d_j (x_l d_main), where x d_main = o d_main - o_main d: o_main drops out. */
@@ -685,9 +690,11 @@ static double attack_box(const float *input)
         const double intercept = hulls->term[MLRT_INTERCEPT_J + i].lo[0], slope = hulls->term[MLRT_SLOPE_J + i].lo[0];
         const double moved = (fabs(intercept) + fabs(slope * depth)) * SLOPE_SLACK + intercept_bound + HULL_FLOOR;
         const float upper =
-            greatest_across(depth, depth, hulls->slope[i].lo[0], hulls->slope[i].hi[0], hulls->intercept[i].hi[0], 1);
+            greatest_across(depth, depth, hulls->moved[MLRT_SLOPE_J + i].lo[0], hulls->moved[MLRT_SLOPE_J + i].hi[0],
+                            hulls->moved[MLRT_INTERCEPT_J + i].hi[0], 1);
         const float lower =
-            least_across(depth, depth, hulls->slope[i].lo[0], hulls->slope[i].hi[0], hulls->intercept[i].lo[0], 1);
+            least_across(depth, depth, hulls->moved[MLRT_SLOPE_J + i].lo[0], hulls->moved[MLRT_SLOPE_J + i].hi[0],
+                         hulls->moved[MLRT_INTERCEPT_J + i].lo[0], 1);
         mpf_mul(truth, origin[0].x[1 + i], direction[0].x[0]);
         mpf_mul(product, direction[0].x[1 + i], corner[0].x[0]);
         mpf_add(truth, truth, product);
@@ -792,8 +799,8 @@ static double outlines_over(const float *input, int has_intercepts)
         size += HULL_FLOOR;
         if (is_fan) mpf_div(other, other, corner[0].x[0]);
         mpf_set(truth, other);
-        const vf slopes[2] = {v_set1(hull.slope_lo[i]), v_set1(hull.slope_hi[i])};
-        const vf intercepts[2] = {v_set1(hull.intercept_lo[i]), v_set1(hull.intercept_hi[i])};
+        const vf slopes[2] = {v_set1(hull.lo[MLRT_SLOPE_J + i]), v_set1(hull.hi[MLRT_SLOPE_J + i])};
+        const vf intercepts[2] = {v_set1(hull.lo[MLRT_INTERCEPT_J + i]), v_set1(hull.hi[MLRT_INTERCEPT_J + i])};
         MLRT_ALIGNED(64) float lower[VW], upper[VW];
         vf ends[2];
         find_outline_ends(&bundle.waist, i, v_set1(leaf.outline.weight[0]), m_from_bits(0), is_fan, slopes, intercepts,
@@ -1101,10 +1108,10 @@ static double attack_apart(const float *input)
     mlrt_set_plane(&triangles[0], &plane);
     set_scale(1, 1);
     for (int at_end = 0; at_end < 2; at_end++) {
-        struct measured_lanes n, height;
-        measure_n(&plane, &tile.packets[0], 0, &n);
-        height = n;
-        if (at_end) measure_end(&plane, &tile.packets[0], tile.packets[0].t_max, 0, &n, &height);
+        double to_a[3];
+        const struct measured_lanes n = measure_n(&plane, &tile.packets[0], 0, to_a);
+        const struct measured_lanes end = measure_end(&plane, &tile.packets[0], tile.packets[0].t_max, 0, &n);
+        const struct measured_lanes height = at_end ? end : n;
         find_d(0);
         mpf_set_d(other, at_end ? tile.packets[0].t_max[0] : 0);
         mpf_mul(other, other, truth);
@@ -1114,7 +1121,7 @@ static double attack_apart(const float *input)
         worst = fmax(worst, fabs(error_over(height.value, CLOSE_ERROR * height.size)));
         for (int sign = -1; sign < 2; sign += 2) {
             const float *t = at_end ? tile.packets[0].t_max : NULL;
-            const struct sides_of_plane sides = find_sides_of_plane(&plane, &tile.packets[0], t, sign, &n);
+            const struct sides_of_plane sides = find_sides_of_plane(&plane, &tile.packets[0], t, sign);
             if (sides.before & 1 && mpf_sgn(truth) * sign <= 0) return INFINITY;
             if (sides.behind & 1 && mpf_sgn(truth) * sign >= 0) return INFINITY;
         }
@@ -1132,7 +1139,7 @@ static double attack_close_call(const float *input)
     set_close_triangle(&triangles[0], &tile.packets[0], &triangle);
     bound_quotient(&triangle, &tile.packets[0], 0, &bounds);
     bound_edges(&triangle, &bounds, &tile.packets[0], 0, value_of, bound);
-    const double sign = copysign(1, bounds.d);
+    const double sign = copysign(1, bounds.d.value);
     set_scale(1, 1);
     find_d(0);
     turn_back(sign);

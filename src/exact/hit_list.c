@@ -81,15 +81,10 @@ MLRT_INLINE void move_to_end(comparison *is_first, const struct order *order, ui
     }
 }
 
-static MLRT_NOINLINE void sort_by_number(struct mlrt_nearest *hits, uint32_t count)
-{
-    move_to_end(has_greater_number, NULL, count, hits, count);
-}
-
-void mlrt_remove_repetitions(struct mlrt_hit_list *list)
+MLRT_NOINLINE void mlrt_remove_repetitions(struct mlrt_hit_list *list)
 {
     if (list->count < 2) return;
-    sort_by_number(list->hits, list->count);
+    move_to_end(has_greater_number, NULL, list->count, list->hits, list->count); /* sorts them */
     uint32_t kept = 1;
     for (uint32_t i = 1; i < list->count; ++i)
         if (list->hits[i].triangle != list->hits[kept - 1].triangle) list->hits[kept++] = list->hits[i];

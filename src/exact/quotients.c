@@ -61,38 +61,6 @@ void mlrt_bound_distance(const struct mlrt_ray_segment *ray, const struct mlrt_t
     *hi = mlrt_float_up(t.high);
 }
 
-int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int is_inside,
-                         const struct mlrt_triangle *other, float *lo, float *hi)
-{
-    const struct mlrt_operands operands = mlrt_load_operands(ray->origin, ray->direction, triangle->v[0], 1);
-    const struct mlrt_crossing crossing = mlrt_measure_crossing(&operands);
-    const int facing = mlrt_certain_sign(crossing.d, MLRT_SIGN_ERROR);
-    const int beyond_t_min = facing * mlrt_certain_sign(mlrt_measure_beyond(&crossing, ray->t_min), MLRT_SIGN_ERROR);
-    if (beyond_t_min < 0) return 0; /* most rays that are offered here start beside a surface and leave it */
-    if (facing == 0 || !is_safe_denominator(crossing.d)) return -1;
-    if (!is_inside) {
-        const struct mlrt_two_edges edges = mlrt_measure_edges(&operands);
-        const int ab = facing * mlrt_certain_sign(edges.ab, MLRT_SIGN_ERROR),
-                  ca = facing * mlrt_certain_sign(edges.ca, MLRT_SIGN_ERROR);
-        const int bc = facing * mlrt_certain_sign(mlrt_measure_third_edge(&edges, crossing.d), MLRT_SIGN_ERROR);
-        if (ab < 0 || bc < 0 || ca < 0) return 0;
-        is_inside = ab > 0 && bc > 0 && ca > 0;
-    }
-    const struct enclosure t = enclose_quotient(crossing.n, invert(crossing.d));
-    if (t.low > *hi) return 0;
-    if (!is_inside || beyond_t_min == 0) return -1;
-    if (!(t.high < *lo)) {
-        if (!other) return -1;
-        const struct mlrt_crossing crossing_2 = mlrt_cross_plane(ray->origin, ray->direction, other);
-        const int order = facing * mlrt_certain_sign(crossing_2.d, MLRT_SIGN_ERROR) *
-                          mlrt_certain_sign(mlrt_measure_order(&crossing, &crossing_2), MLRT_ORDER_ERROR);
-        if (order >= 0) return order > 0 ? 0 : -1;
-    }
-    *lo = mlrt_float_down(t.low > 0 ? t.low : 0);
-    *hi = mlrt_float_up(t.high);
-    return 1;
-}
-
 /* Sets *result to the float that every number of the enclosure rounds to. Returns 0 if there is none. */
 MLRT_INLINE int round_enclosure(struct enclosure enclosure, float *result)
 {

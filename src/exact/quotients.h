@@ -36,12 +36,4 @@ void mlrt_bound_distance(const struct mlrt_ray_segment *ray, const struct mlrt_t
 void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, uint32_t outputs,
                      mlrt_hit *hit);
 
-/*
- * Offers a triangle in double alone. `other` is the triangle of the nearest hit so far (NULL: none), whose t lies in
- * [*lo, *hi]. Returns 1 if the ray certainly hits the triangle before that, and sets *lo and *hi to bounds of its t; 0
- * if it certainly does not; -1 if double cannot tell. is_inside: 1 = the ray is known to pass inside the edges.
- */
-int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int is_inside,
-                         const struct mlrt_triangle *other, float *lo, float *hi);
-
 #endif

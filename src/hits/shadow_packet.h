@@ -16,11 +16,6 @@
 #include "simd/doubles.h"
 #include "simd/simd.h"
 
-#define PACKET_DOUBLES (MLRT_PACKET_RAYS / DW)
-
-/* Of packets that hit no more triangles than this, terms are taken from the table, triangle by triangle. */
-#define FEW_TRIANGLES 2
-
 /* For a vector of rays: the terms of shadow_ray.h that depend on triangle, origin and light, not on the direction. */
 struct shadow_terms {
     vd m[3];
@@ -93,53 +88,17 @@ MLRT_INLINE uint32_t make_shadow_vector(const struct shadow_terms *terms, const 
            d_gt(size, d_set1(MLRT_SHADOW_LEAST)) & d_gt(d_set1(MLRT_SHADOW_GREATEST), size);
 }
 
-/* Sets the terms of `lanes`, of DW, which hit one triangle. */
-MLRT_INLINE void take_surface(const struct mlrt_surface *surface, uint32_t lanes, struct shadow_terms *terms)
+/* Sets the terms of all lanes of a packet from one eye that hits one triangle. */
+MLRT_INLINE void spread_surface(const struct mlrt_surface *surface, const float eye[3], const struct mlrt_source *light,
+                                struct shadow_terms *terms)
 {
-    vd m[3];
-    spread_vector(surface->m, m);
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) terms->m[k] = d_select(lanes, m[k], terms->m[k]);
-    terms->n = d_select(lanes, d_set1(surface->n), terms->n);
-    terms->plane_size = d_select(lanes, d_set1(MLRT_SHADOW_PLANE * surface->greatest_p), terms->plane_size);
-    terms->height = d_select(lanes, d_set1(surface->height), terms->height);
-    if (!mlrt_is_certain_surface(surface)) terms->certain &= ~lanes;
-}
-
-MLRT_INLINE int hits_few_triangles(const struct mlrt_packet *packet, uint32_t hit)
-{
-    for (int i = 0; i < FEW_TRIANGLES && hit; ++i)
-        hit &= ~lanes_of_triangle(packet, packet->nearest.triangle[mlrt_lowest_bit(hit)]);
-    return !hit;
-}
-
-/*
- * Sets the terms of a packet from the eye that hits few triangles: triangle by triangle, from a table. Returns how
- * many vectors are set: one, if all lanes hit one triangle.
- */
-static MLRT_NOINLINE uint32_t take_surfaces(const struct mlrt_job *job, const struct mlrt_packet *seen, uint32_t hit,
-                                            struct mlrt_kept_surface *kept, struct shadow_terms terms[PACKET_DOUBLES])
-{
-    const int is_point = job->source.kind == MLRT_SOURCE_POINT_LIGHT;
-    uint32_t number = seen->nearest.triangle[mlrt_lowest_bit(hit)], same = lanes_of_triangle(seen, number);
-    const uint32_t count = hit & ~same ? PACKET_DOUBLES : 1;
-    for (uint32_t i = 0; i < count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            terms[i].from[k] = d_set1((double)seen->apex[k] - (is_point ? (double)job->source.light[k] : 0));
-            terms[i].m[k] = d_set1(0);
-        }
-        terms[i].n = terms[i].plane_size = terms[i].height = d_set1(0);
-        terms[i].certain = (1u << DW) - 1;
-    }
-    for (;;) {
-        const struct mlrt_surface *surface = mlrt_look_up_surface(job, number, seen->apex, kept);
-        if (count == 1) take_surface(surface, (1u << DW) - 1, terms);
-        for (uint32_t i = 0; count > 1 && i < count; ++i) take_surface(surface, same >> i * DW, &terms[i]);
-        hit &= ~same;
-        if (!hit) return count;
-        number = seen->nearest.triangle[mlrt_lowest_bit(hit)];
-        same = lanes_of_triangle(seen, number);
-    }
+    const int is_point = light->kind == MLRT_SOURCE_POINT_LIGHT;
+    for (int k = 0; k < 3; ++k) terms->from[k] = d_set1((double)eye[k] - (is_point ? (double)light->light[k] : 0));
+    spread_vector(surface->m, terms->m);
+    terms->n = d_set1(surface->n);
+    terms->plane_size = d_set1(MLRT_SHADOW_PLANE * surface->greatest_p);
+    terms->height = d_set1(surface->height);
+    terms->certain = mlrt_is_certain_surface(surface) ? (1u << DW) - 1 : 0;
 }
 
 /*
@@ -155,16 +114,19 @@ static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, con
     float(*ends)[MLRT_PACKET_RAYS] = is_point ? packet->direction : packet->origin;
     float(*others)[MLRT_PACKET_RAYS] = is_point ? packet->origin : packet->direction;
     MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
-    struct shadow_terms terms[PACKET_DOUBLES];
-    const uint32_t kept_count =
-        seen->has.apex && hits_few_triangles(seen, hit) ? take_surfaces(job, seen, hit, kept, terms) : 0;
+    struct shadow_terms terms;
+    const uint32_t number = seen->nearest.triangle[mlrt_lowest_bit(hit)];
+    const int is_kept = seen->has.apex && !(hit & ~lanes_of_triangle(seen, number));
     uint32_t certain = 0, facing = 0;
-    if (!kept_count) mlrt_gather_corners(job->tree, seen, hit, corners);
+    if (is_kept) {
+        spread_surface(mlrt_look_up_surface(job, number, seen->apex, kept), seen->apex, light, &terms);
+    } else {
+        mlrt_gather_corners(job->tree, seen, hit, corners);
+    }
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         uint32_t vector_facing;
-        const uint32_t i = kept_count == 1 ? 0 : lane / DW;
-        if (!kept_count) set_up_shadow_terms(seen, corners, lane, light, &terms[i]);
-        certain |= make_shadow_vector(&terms[i], seen, lane, &vector_facing, ends) << lane;
+        if (!is_kept) set_up_shadow_terms(seen, corners, lane, light, &terms);
+        certain |= make_shadow_vector(&terms, seen, lane, &vector_facing, ends) << lane;
         facing |= vector_facing << lane;
     }
     facing &= certain;

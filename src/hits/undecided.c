@@ -99,39 +99,3 @@ uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32
     }
     return judge_lanes(tree, number, undecided, packet, worker, counters);
 }
-
-int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided, uint32_t inside,
-                          uint32_t tried, uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker,
-                          mlrt_counters *counters)
-{
-    struct mlrt_ray_segment ray;
-    uint32_t hit = 0;
-    mlrt_get_segment(packet, lane, &ray);
-    for (; undecided; undecided &= undecided - 1) {
-        const uint32_t i = mlrt_lowest_bit(undecided), number = numbers[i], nearest = packet->nearest.triangle[lane];
-        const uint32_t known_inside = (inside >> i & 1) << lane;
-        if (mlrt_is_stopped_in_step(worker)) break;
-        if (nearest != MLRT_NONE && mlrt_known_plane_of(worker, number) == mlrt_known_plane_of(worker, nearest) &&
-            settle_tie(number, nearest, 1u << lane, known_inside, packet)) {
-            if (counters) ++counters->tie_lane_count;
-            continue;
-        }
-        int nearer = -1;
-        if (!(tried >> i & 1)) {
-            const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
-            struct mlrt_triangle other;
-            if (nearest != MLRT_NONE) other = mlrt_triangle_at(&job->tree->by_number, nearest);
-            nearer = mlrt_offer_in_double(&ray, &triangle, known_inside != 0, nearest == MLRT_NONE ? NULL : &other,
-                                          &packet->nearest.lo[lane], &packet->nearest.hi[lane]);
-        }
-        if (nearer < 0) {
-            hit |= mlrt_decide_lanes(job->tree, number, 1u << lane, known_inside, packet, worker, counters);
-        } else {
-            if (nearer) packet->nearest.triangle[lane] = number;
-            hit |= (uint32_t)nearer;
-            if (counters) ++counters->undecided_test_count, ++counters->judged_lane_count;
-        }
-        if (hit && job->any) break;
-    }
-    return hit != 0;
-}

@@ -40,13 +40,4 @@ uint32_t mlrt_settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_
 uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
                            struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters);
 
-/*
- * Decides whether one ray hits the triangles numbers[i], for each bit i of `undecided`; it surely passes inside the
- * edges of those in `inside`, and double was tried in vain for those in `tried`. Returns 1 if one of them became a
- * nearer hit. With a query for any hit, the first hit ends it.
- */
-int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided, uint32_t inside,
-                          uint32_t tried, uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker,
-                          mlrt_counters *counters);
-
 #endif

@@ -50,21 +50,7 @@ void mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_
 
 /*
  * Rays that are alike are traced together if there are more than MOST_ALIKE, others if there are more than MOST_OTHERS
- * and the tree has few nodes; the wider a vector, the sooner. Nanoseconds of a call (Zen 4, erw6, t and triangles):
- *
- *                       one by one   together                          one by one   together
- *     pixels, AVX-512                            all directions, AVX-512
- *        6 rays                557        660       8 rays                    720        940
- *        8 rays                732        660      12 rays                   1123       1030
- *        8, all results        756        812      12, all results           1220       1266
- *       12 rays               1077        683    all directions, AVX2
- *     pixels, SSE2                                 12 rays                   1096       1173
- *        8 rays                902        988      16 rays                   1412       1122
- *       12 rays               1414       1143    all directions, SSE2
- *                                                  12 rays                   1410       1814
- *                                                  16 rays                   1906       1836
- *
- * In conference the others are faster one by one.
+ * and the tree has few nodes; the wider a vector, the sooner (docs/tried.md, "Looked at once").
  */
 #define MOST_ALIKE(width)  (7 + 16 / (width))
 #define MOST_OTHERS(width) (12 + 16 / (width))

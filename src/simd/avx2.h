@@ -100,11 +100,6 @@ MLRT_INLINE void d_store(float *p, vd a) { _mm_store_ps(p, _mm256_cvtpd_ps(a)); 
 MLRT_INLINE f4 quad_of_d(vd a) { return _mm256_cvtpd_ps(a); }
 MLRT_INLINE vd d_mul_add(vd a, vd b, vd c) { return _mm256_fmadd_pd(a, b, c); }
 MLRT_INLINE vd d_mul_sub(vd a, vd b, vd c) { return _mm256_fmsub_pd(a, b, c); }
-MLRT_INLINE vd d_select(unsigned lanes, vd a, vd b)
-{
-    const __m256i bits = _mm256_set_epi64x(8, 4, 2, 1), own = _mm256_and_si256(_mm256_set1_epi64x((int)lanes), bits);
-    return _mm256_blendv_pd(b, a, _mm256_castsi256_pd(_mm256_cmpeq_epi64(own, bits)));
-}
 MLRT_INLINE unsigned d_gt(vd a, vd b) { return (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ)); }
 MLRT_INLINE unsigned d_same_float(vd a, vd b)
 {

@@ -106,7 +106,6 @@ MLRT_INLINE void d_store(float *p, vd a) { _mm256_store_ps(p, _mm512_cvtpd_ps(a)
 MLRT_INLINE f4 quad_of_d(vd a) { return lower_quad(_mm512_cvtpd_ps(a)); }
 MLRT_INLINE vd d_mul_add(vd a, vd b, vd c) { return _mm512_fmadd_pd(a, b, c); }
 MLRT_INLINE vd d_mul_sub(vd a, vd b, vd c) { return _mm512_fmsub_pd(a, b, c); }
-MLRT_INLINE vd d_select(unsigned lanes, vd a, vd b) { return _mm512_mask_blend_pd((__mmask8)lanes, b, a); }
 MLRT_INLINE unsigned d_gt(vd a, vd b) { return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ); }
 MLRT_INLINE unsigned d_same_float(vd a, vd b)
 {

@@ -150,11 +150,6 @@ MLRT_INLINE vd d_flip(vd a, vd b)
     const uint64x2_t sign = vandq_u64(d_words(b), d_words(vdupq_n_f64(-0.0)));
     return vreinterpretq_f64_u64(veorq_u64(d_words(a), sign));
 }
-MLRT_INLINE vd d_select(unsigned lanes, vd a, vd b)
-{
-    static const uint64_t bits[2] = {1, 2};
-    return vbslq_f64(vtstq_u64(vdupq_n_u64(lanes), vld1q_u64(bits)), a, b);
-}
 MLRT_INLINE unsigned d_gt(vd a, vd b) { return bits_of_doubles(vcgtq_f64(a, b)); }
 MLRT_INLINE unsigned d_same_float(vd a, vd b)
 {

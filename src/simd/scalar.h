@@ -11,7 +11,7 @@
  * - v_mul_add is a b + c, and v_mul_sub a b - c, with one rounding or two: only code with bounds for both may use them.
  * - v_hmin is the least lane of a vector, v_hmax the greatest; v_hmin4 has the least lanes of four vectors.
  * - vd is a vector of DW doubles, which are loaded from floats, and rounded to floats when stored. d_mul_add and
- *   d_mul_sub have one rounding or two, like v_mul_add. In the bits of d_gt and d_select, lane i is bit i.
+ *   d_mul_sub have one rounding or two, like v_mul_add. In the bits of d_gt, lane i is bit i.
  * - v_store_rows stores the words of four packets side by side: four rows of sixteen, `row_stride` bytes apart. The
  *   words of packet i are at first + i * distance; its lanes are squares of 2x2 elements (rays/packet.h).
  * - v_triples_at, v_quads_at, v_floats_at and i_pairs_at load three, four, one or two words of each lane, one vector
@@ -143,8 +143,6 @@ MLRT_INLINE vd d_abs(vd a) { return fabs(a); }
 MLRT_INLINE vd d_max(vd a, vd b) { return a > b ? a : b; }
 /* a with its sign flipped where b is negative */
 MLRT_INLINE vd d_flip(vd a, vd b) { return copysign(a, copysign(1, a) * copysign(1, b)); }
-/* a in the lanes whose bits are set, b in the others */
-MLRT_INLINE vd d_select(unsigned lanes, vd a, vd b) { return lanes & 1 ? a : b; }
 /* bits of the lanes where a > b */
 MLRT_INLINE unsigned d_gt(vd a, vd b) { return a > b; }
 /* bits of the lanes where both round to one float */

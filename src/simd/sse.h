@@ -90,12 +90,6 @@ MLRT_INLINE vd d_load(const float *p) { return _mm_cvtps_pd(_mm_castsi128_ps(_mm
 MLRT_INLINE void d_store(float *p, vd a) { _mm_storel_pi((void *)p, _mm_cvtpd_ps(a)); }
 MLRT_INLINE vd d_mul_add(vd a, vd b, vd c) { return d_add(d_mul(a, b), c); }
 MLRT_INLINE vd d_mul_sub(vd a, vd b, vd c) { return d_sub(d_mul(a, b), c); }
-MLRT_INLINE vd d_select(unsigned lanes, vd a, vd b)
-{
-    const int first = -(int)(lanes & 1), second = -(int)(lanes >> 1 & 1);
-    const vd own = _mm_castsi128_pd(_mm_set_epi32(second, second, first, first));
-    return _mm_or_pd(_mm_and_pd(own, a), _mm_andnot_pd(own, b));
-}
 MLRT_INLINE unsigned d_gt(vd a, vd b) { return (unsigned)_mm_movemask_pd(_mm_cmpgt_pd(a, b)); }
 MLRT_INLINE unsigned d_same_float(vd a, vd b)
 {

@@ -165,13 +165,6 @@ static enum array_kind add_array_cell(struct mlrt_array_cells *cells, const stru
     return kind == HAS_HULL ? set_array_cell(cells, &of, place, bundle) : kind;
 }
 
-/* Is the point from which all rays start within reach (scene/reach.h)? */
-MLRT_INLINE int is_waist_within_reach(const struct mlrt_bundle *bundle)
-{
-    const float *w = bundle->waist.point, reach = bundle->scene.reach;
-    return fabsf(w[0]) <= reach && fabsf(w[1]) <= reach && fabsf(w[2]) <= reach;
-}
-
 /* Makes a bundle of the tiles of any-hit rays in `area`, which refers to *cells. Returns 0 if there is none. */
 static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area,
                               struct mlrt_array_cells *cells, struct mlrt_bundle *bundle)
@@ -199,8 +192,7 @@ static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rect
         if (16 * (place % 4) >= area->width || 16 * (place / 4) >= area->height) continue;
         if (!is_whole_tile(source, &tile)) continue;
         if (!there && !cells->are_parallel &&
-            (!mlrt_begin_apex_cells(source, first, bundle->scene.unit, cells, &bundle->waist) ||
-             !is_waist_within_reach(bundle)))
+            !mlrt_begin_apex_cells(&job->tree->bvh, source, first, cells, &bundle->waist))
             return 0;
         const enum array_kind kind = add_array_cell(cells, &tile, &known, place, bundle);
         there |= (uint32_t)(kind == HAS_HULL) << place;

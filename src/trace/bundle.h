@@ -63,7 +63,7 @@ enum mlrt_ray_term {
     MLRT_SLOPE_L,
     MLRT_INTERCEPT_J,
     MLRT_INTERCEPT_L,
-    MLRT_MOMENT, /* s_l x_j - s_j x_l */
+    MLRT_MOMENT, /* s_l x_j - s_j x_l; the number of slopes and intercepts */
     MLRT_RAY_TERMS
 };
 
@@ -104,14 +104,13 @@ struct mlrt_closed_packets {
 };
 
 /*
- * The hulls of packets: bounds of the rays of each. `term` has the extremes as they were computed. `slope`,
- * `intercept`, `first` and `last` are moved apart, by more than rounding can change. A packet that has left the bundle
- * has first = inf, last = -inf.
+ * The hulls of packets: bounds of the rays of each. `term` has the extremes as they were computed. `moved` has those of
+ * slopes and intercepts, and these, `first` and `last` are moved apart, by more than rounding can change. A packet that
+ * has left the bundle has first = inf, last = -inf.
  */
 struct mlrt_hulls {
     struct mlrt_hull_row term[MLRT_RAY_TERMS];
-    struct mlrt_hull_row slope[2];
-    struct mlrt_hull_row intercept[2];
+    struct mlrt_hull_row moved[MLRT_MOMENT];
     MLRT_ALIGNED(64) float first[MLRT_BUNDLE_PACKETS]; /* depths between which rays look for hits */
     MLRT_ALIGNED(64) float last[MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) float begin[MLRT_BUNDLE_PACKETS]; /* the greatest tau of a t_min */
@@ -119,12 +118,10 @@ struct mlrt_hulls {
     struct mlrt_closed_packets closed;
 };
 
-/* One hull: of all packets of a bundle, or of one. */
+/* One hull, moved apart: of all packets of a bundle, or of one. */
 struct mlrt_hull {
-    float slope_lo[2];
-    float slope_hi[2];
-    float intercept_lo[2];
-    float intercept_hi[2];
+    float lo[MLRT_MOMENT]; /* of slopes and intercepts */
+    float hi[MLRT_MOMENT];
     float first;
     float last;
 };

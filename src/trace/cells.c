@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "bvh/unit.h"
 #include "exact/triangle.h"
 #include "rays/slope_limits.h"
 #include "simd/sixteen.h"
@@ -57,8 +58,8 @@ int mlrt_begin_parallel_cells(const struct mlrt_bvh *bvh, struct mlrt_array_cell
     return fits && mlrt_set_apex(cells->middle, bvh->unit, waist);
 }
 
-int mlrt_begin_apex_cells(const struct mlrt_source *source, size_t first, float unit, struct mlrt_array_cells *cells,
-                          struct mlrt_waist *waist)
+int mlrt_begin_apex_cells(const struct mlrt_bvh *bvh, const struct mlrt_source *source, size_t first,
+                          struct mlrt_array_cells *cells, struct mlrt_waist *waist)
 {
     const int is_light = source->kind == MLRT_SOURCE_POINT_LIGHT;
     const float *point = is_light ? source->light : (const float *)(const void *)cells->reader.points.data;
@@ -69,7 +70,7 @@ int mlrt_begin_apex_cells(const struct mlrt_source *source, size_t first, float 
     memcpy(direction, cells->vectors->data + first * cells->vectors->stride, sizeof direction);
     for (int k = 0; k < 3; ++k) direction[k] -= is_light ? source->light[k] : 0;
     mlrt_face_waist(direction, waist);
-    return mlrt_set_apex(point, unit, waist);
+    return mlrt_is_within_reach(bvh, point) && mlrt_set_apex(point, bvh->unit, waist);
 }
 
 void mlrt_see_plane_of_cells(const struct mlrt_array_cells *cells, const struct mlrt_triangle *triangle,

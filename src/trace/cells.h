@@ -33,9 +33,9 @@ struct mlrt_array_cells {
 /* Begins cells of parallel rays. Returns 0 if float does not carry them. */
 int mlrt_begin_parallel_cells(const struct mlrt_bvh *bvh, struct mlrt_array_cells *cells, struct mlrt_waist *waist);
 
-/* Begins cells of rays from one point. `first` is the element of one ray, which gives the main axis. */
-int mlrt_begin_apex_cells(const struct mlrt_source *source, size_t first, float unit, struct mlrt_array_cells *cells,
-                          struct mlrt_waist *waist);
+/* Likewise of rays from one point. `first` is the element of one ray, which gives the main axis. */
+int mlrt_begin_apex_cells(const struct mlrt_bvh *bvh, const struct mlrt_source *source, size_t first,
+                          struct mlrt_array_cells *cells, struct mlrt_waist *waist);
 
 /*
  * A plane, as rays of cells see it. They have a point e: d if they begin at one point, o if they are parallel.

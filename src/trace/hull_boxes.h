@@ -78,14 +78,14 @@ MLRT_INLINE uint32_t bundle_children_met(const struct mlrt_bundle *bundle, const
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const int j = mlrt_slope_axis(a, i);
-            const float lo = whole->slope_lo[i], hi = whole->slope_hi[i];
+            const float lo = whole->lo[MLRT_SLOPE_J + i], hi = whole->hi[MLRT_SLOPE_J + i];
             vf upper = greatest_product(from, to, lo, hi, has_intercepts);
             vf lower = greatest_product(from, to, -hi, -lo, has_intercepts); /* negated */
             const vf least = v_sub(v_load(node->lo[j] + v), v_set1(waist->point[j]));
             const vf greatest = v_sub(v_set1(waist->point[j]), v_load(node->hi[j] + v));
             if (has_intercepts) {
-                upper = v_add(upper, v_set1(whole->intercept_hi[i]));
-                lower = v_sub(lower, v_set1(whole->intercept_lo[i]));
+                upper = v_add(upper, v_set1(whole->hi[MLRT_INTERCEPT_J + i]));
+                lower = v_sub(lower, v_set1(whole->lo[MLRT_INTERCEPT_J + i]));
             }
             may = m_and(may, m_and(v_le(least, upper), v_le(greatest, lower)));
         }
@@ -134,9 +134,11 @@ MLRT_INLINE uint32_t packets_met(const struct mlrt_bundle *bundle, const struct 
         vm may = v_le(from, last);
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
-            const vf lo = v_load(hulls->slope[i].lo + v), hi = v_load(hulls->slope[i].hi + v);
-            const vf intercept_lo = has_intercepts ? v_load(hulls->intercept[i].lo + v) : lo;
-            const vf intercept_hi = has_intercepts ? v_load(hulls->intercept[i].hi + v) : hi;
+            const struct mlrt_hull_row *slope = &hulls->moved[MLRT_SLOPE_J + i],
+                                       *at = &hulls->moved[MLRT_INTERCEPT_J + i];
+            const vf lo = v_load(slope->lo + v), hi = v_load(slope->hi + v);
+            const vf intercept_lo = has_intercepts ? v_load(at->lo + v) : lo;
+            const vf intercept_hi = has_intercepts ? v_load(at->hi + v) : hi;
             may = m_and(may, v_le(v_set1(box->lo[i]), greatest_across(from, to, lo, hi, intercept_hi, has_intercepts)));
             may = m_and(may, v_ge(v_set1(box->hi[i]), least_across(from, to, lo, hi, intercept_lo, has_intercepts)));
         }
@@ -155,7 +157,8 @@ MLRT_INLINE uint32_t lanes_of_packet_met(const struct mlrt_bundle *bundle, uint3
     float far = 0;
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
-        far = larger_of(larger_of(fabsf(hulls->intercept[i].lo[place]), fabsf(hulls->intercept[i].hi[place])), far);
+        const struct mlrt_hull_row *at = &hulls->moved[MLRT_INTERCEPT_J + i];
+        far = larger_of(larger_of(fabsf(at->lo[place]), fabsf(at->hi[place])), far);
     }
     const float size = hulls->filter.direction_size[place];
     const vf slack =

@@ -10,30 +10,24 @@
 #include "exact/predicate.h"
 #include "trace/planes.h"
 
-static void set_odd_outline(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t place,
-                            struct mlrt_bundle_leaf *leaf)
-{
-    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, leaf->numbers[place]);
-    double near = INFINITY, far = -INFINITY;
-    for (int i = 0; i < 3; ++i) {
-        const double depth =
-            (triangle.v[i][waist->main_axis] * (double)tree->bvh.unit - waist->point[waist->main_axis]) * waist->sign;
-        near = fmin(depth, near);
-        far = fmax(depth, far);
-    }
-    leaf->outline.near[place] = mlrt_low_bound(near);
-    leaf->outline.far[place] = -mlrt_low_bound(-far);
-    leaf->state.fans &= ~(1u << place);
-    leaf->outline.weight[place] = 0;
-    for (int i = 0; i < 2; ++i) {
-        leaf->outline.lo[i][place] = -INFINITY;
-        leaf->outline.hi[i][place] = INFINITY;
-    }
-}
-
 void mlrt_set_odd_outlines(const struct mlrt_tree *tree, const struct mlrt_waist *waist, struct mlrt_bundle_leaf *leaf)
 {
-    for (uint32_t odd = leaf->state.odd; odd; odd &= odd - 1) set_odd_outline(tree, waist, mlrt_lowest_bit(odd), leaf);
+    const int a = waist->main_axis;
+    for (uint32_t odd = leaf->state.odd; odd; odd &= odd - 1) {
+        const uint32_t place = mlrt_lowest_bit(odd);
+        const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, leaf->numbers[place]);
+        double near = INFINITY, far = -INFINITY;
+        for (int i = 0; i < 3; ++i) {
+            const double depth = (triangle.v[i][a] * (double)tree->bvh.unit - waist->point[a]) * waist->sign;
+            near = fmin(depth, near);
+            far = fmax(depth, far);
+        }
+        leaf->outline.near[place] = mlrt_low_bound(near);
+        leaf->outline.far[place] = -mlrt_low_bound(-far);
+        leaf->outline.weight[place] = 0;
+        for (int i = 0; i < 2; ++i) leaf->outline.lo[i][place] = -INFINITY, leaf->outline.hi[i][place] = INFINITY;
+    }
+    leaf->state.fans &= ~leaf->state.odd;
 }
 
 /* Negates all coefficients of the triangle at a place. */

@@ -16,7 +16,7 @@
 #include "simd/sixteen.h"
 #include "trace/array_cells.h"
 #include "trace/camera_cells.h"
-#include "trace/make_rays.h"
+#include "trace/read_tile.h"
 #include "trace/shadows.h"
 #include "trace/tile.h"
 
@@ -33,16 +33,6 @@ static int gather_cells(const struct mlrt_job *job, const struct mlrt_rectangle 
     }
     if (arrays && job->source.kind != MLRT_SOURCE_CAMERA) return gather_array_cells(job, area, arrays, bundle);
     return 0;
-}
-
-/* Traces the rays of a packet that float does not carry, and adds it to a row that is written together. */
-static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
-                         uint32_t place, struct row_of_packets *row)
-{
-    struct mlrt_packet *packet = &tile->packets[place];
-    const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
-    finish_packet(job, worker, packet);
-    add_to_row(packet, mlrt_existing_lanes(&job->source, &block), &block, row);
 }
 
 /* Sets (*x, *y) to the corner of the tile after `tile`, where tiles go row by row through squares of 64 pixels. */
@@ -83,28 +73,16 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
         return;
     }
     tile->made = 0xFFFF;
-    const uint32_t waiting = make_packets(job, tile);
+    const uint32_t waiting = read_packets(&job->source, tile);
     trace_bundle(job, worker, bundle, waiting);
     bundle->state.closed = 0;
 }
 
 /*
- * Begins with the rows of a tile at (x, y): those of its rays, and of the caller's arrays for their results. A list has
- * none, as it is read in order.
- */
-static void begin_rows_ahead(const struct mlrt_job *job, uint32_t x, uint32_t y, struct mlrt_rows_ahead *rows)
-{
-    const uint32_t width = job->source.width;
-    rows->height = 0;
-    if (mlrt_is_list(&job->source)) return;
-    mlrt_begin_source_rows(&job->source, x, y, rows);
-    if (rows->height) mlrt_add_sink_rows(&job->frame, x, y, width - x < 16 ? width - x : 16, rows);
-}
-
-/*
- * Writes the results of the packets of a tile, and prefetches rows of the next one. They lie too far apart for the
- * processor's own prefetching, and only few cache misses can be under way at once: so each packet that is written
- * prefetches one row.
+ * Writes the results of the packets of a tile, and prefetches rows of the next one: those of its rays, and of the
+ * caller's arrays for their results. They lie too far apart for the processor's own prefetching, and only few cache
+ * misses can be under way at once: so each packet that is written prefetches one row. A list has no rows, as it is read
+ * in order.
  */
 static MLRT_NOINLINE void write_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
                                         struct mlrt_ray_tile *tile, const struct mlrt_bundle *bundle)
@@ -115,16 +93,22 @@ static MLRT_NOINLINE void write_packets(const struct mlrt_job *job, struct mlrt_
     struct mlrt_rows_ahead rows;
     uint32_t next_x, next_y;
     find_next_tile(&job->source, &tile->area, &next_x, &next_y);
-    begin_rows_ahead(job, next_x, next_y, &rows);
+    rows.height = 0;
+    if (!mlrt_is_list(&job->source)) mlrt_begin_source_rows(&job->source, next_x, next_y, &rows);
+    if (rows.height) {
+        const uint32_t width = job->source.width - next_x;
+        mlrt_add_sink_rows(&job->frame, next_x, next_y, width < 16 ? width : 16, &rows);
+    }
     for (uint32_t left = tile->blocks; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), ahead = place + 2;
         mlrt_prefetch_rows(&rows, place);
         if (has_numbers && open >> ahead & 1) prefetch_triangles(job->tree, &tile->packets[ahead]);
+        const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
         if (bundle->state.closed >> place & 1) {
-            const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
             write_closed(job, worker, bundle->hulls.closed.cover[place], &block);
         } else {
-            finish_block(job, worker, tile, place, &row);
+            finish_packet(job, worker, &tile->packets[place]);
+            add_to_row(&tile->packets[place], mlrt_existing_lanes(&job->source, &block), &block, &row);
         }
         const int has_neighbour = (place & last_column) != last_column && open >> place & 2;
         if (!has_neighbour) write_row(job, worker, &row);
@@ -150,6 +134,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
         write_packets(job, worker, &tile, &bundle);
     }
     if (MLRT_UNLIKELY(job->light_count)) shade_tile(job, worker, &tile, known);
+    (void)mlrt_is_stopped(worker, (double)area->width * area->height);
 }
 
 /* Traces a rectangle of at most 4 x 4 tiles. */
@@ -178,29 +163,8 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
                 }
             } else {
                 trace_ray_tile(job, worker, &tile, bundle.state.closed >> place & 1 ? &known[place] : NULL);
-                if (mlrt_is_stopped(worker, (double)tile.width * tile.height)) return;
+                if (worker->watch.stopped) return;
             }
-        }
-    }
-}
-
-/* Traces the squares of a part of a picture, or the tiles of a list. */
-static void trace_squares(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area)
-{
-    if (mlrt_is_list(&job->source)) {
-        for (uint32_t j = 0; j < area->height; j += 64) {
-            const struct mlrt_rectangle tile = {area->x, area->y + j, area->width,
-                                                area->height - j < 64 ? area->height - j : 64};
-            trace_ray_tile(job, worker, &tile, NULL);
-            if (mlrt_is_stopped(worker, (double)tile.width * tile.height)) return;
-        }
-        return;
-    }
-    for (uint32_t j = 0; j < area->height; j += 64) {
-        for (uint32_t i = 0; i < area->width; i += 64) {
-            const struct mlrt_rectangle square = mlrt_cut_piece(area, i, j, 64);
-            trace_square(job, worker, &square);
-            if (worker->watch.stopped) return;
         }
     }
 }
@@ -213,7 +177,17 @@ static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, c
         return;
     }
     COUNT(&worker->counters, ray_count, mlrt_count_rays(&job->source, area));
-    trace_squares(job, worker, area);
+    for (uint32_t j = 0; j < area->height; j += 64) {
+        for (uint32_t i = 0; i < area->width; i += 64) {
+            const struct mlrt_rectangle piece = mlrt_cut_piece(area, i, j, 64);
+            if (mlrt_is_list(&job->source)) {
+                trace_ray_tile(job, worker, &piece, NULL); /* four rays wide */
+            } else {
+                trace_square(job, worker, &piece);
+            }
+            if (worker->watch.stopped) return;
+        }
+    }
 }
 
 #endif

@@ -9,7 +9,6 @@
 #include "hits/shadow_packet.h"
 #include "simd/sixteen.h"
 #include "trace/ray_tile.h"
-#include "trace/read_tile.h"
 
 /* Makes the rays of a picture's packet. */
 static void make_picture_rays(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t place)
@@ -58,21 +57,6 @@ static void make_rays(const struct mlrt_job *job, struct mlrt_ray_tile *tile, ui
     }
     tile->made |= 1u << place;
     make_rays_to_light(job, tile, place);
-}
-
-/*
- * Makes the rays of all packets of a tile, for any source. Returns the packets that have rays: not all of these rays
- * can hit something, since only those of a pinhole camera are checked.
- */
-static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_ray_tile *tile)
-{
-    uint32_t waiting = 0;
-    read_packets(&job->source, tile);
-    for (uint32_t left = tile->blocks; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left);
-        waiting |= ((tile->packets[place].active | tile->packets[place].in_double) != 0u) << place;
-    }
-    return waiting;
 }
 
 #endif

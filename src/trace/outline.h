@@ -35,12 +35,6 @@
 /* A triangle that comes nearer to the waist, in depth, is not a fan. */
 #define LEAST_FAN_DEPTH 0x1p-60f
 
-/* The greatest |x| of a hull. */
-MLRT_INLINE vf greatest_intercept(vf lo, vf hi)
-{
-    return v_max(v_abs(lo), v_abs(hi));
-}
-
 /* The greatest |s - t| of a hull. */
 MLRT_INLINE vf greatest_turn(const struct mlrt_waist *waist, int side, vf lo, vf hi)
 {
@@ -55,10 +49,7 @@ MLRT_INLINE void take_hull(const struct mlrt_bundle *bundle, uint32_t place, str
     of->first = hulls->first[place];
     of->last = hulls->last[place];
     MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) {
-        of->slope_lo[i] = hulls->slope[i].lo[place], of->slope_hi[i] = hulls->slope[i].hi[place];
-        of->intercept_lo[i] = hulls->intercept[i].lo[place], of->intercept_hi[i] = hulls->intercept[i].hi[place];
-    }
+    for (int i = 0; i < MLRT_MOMENT; ++i) of->lo[i] = hulls->moved[i].lo[place], of->hi[i] = hulls->moved[i].hi[place];
 }
 
 /*
@@ -115,7 +106,7 @@ MLRT_INLINE void find_outline_ends(const struct mlrt_waist *waist, int side, vf 
 {
     vf widest = v_set1(0);
     ends[0] = slope[0], ends[1] = slope[1];
-    if (has_intercepts) widest = greatest_intercept(intercept[0], intercept[1]);
+    if (has_intercepts) widest = v_max(v_abs(intercept[0]), v_abs(intercept[1]));
     if (MLRT_UNLIKELY(!are_fans)) {
         ends[0] = v_select(is_fan, ends[0], has_intercepts ? intercept[0] : v_set1(0));
         ends[1] = v_select(is_fan, ends[1], has_intercepts ? intercept[1] : v_set1(0));
@@ -141,8 +132,8 @@ MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle *bundle, const struc
                        v_ge(v_load(leaf->outline.far + v), v_set1(hull->first)));
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
-            const vf slope[2] = {v_set1(hull->slope_lo[i]), v_set1(hull->slope_hi[i])};
-            const vf intercept[2] = {v_set1(hull->intercept_lo[i]), v_set1(hull->intercept_hi[i])};
+            const vf slope[2] = {v_set1(hull->lo[MLRT_SLOPE_J + i]), v_set1(hull->hi[MLRT_SLOPE_J + i])};
+            const vf intercept[2] = {v_set1(hull->lo[MLRT_INTERCEPT_J + i]), v_set1(hull->hi[MLRT_INTERCEPT_J + i])};
             vf ends[2];
             find_outline_ends(&bundle->waist, i, v_load(leaf->outline.weight + v), is_fan, are_fans, slope, intercept,
                               has_intercepts, ends);

@@ -91,16 +91,6 @@ struct bundle_vector {
     struct nearest_hits nearest;
 };
 
-MLRT_INLINE void load_bundle_vector(const struct mlrt_bundle_rays *rays, const struct mlrt_packet *packet,
-                                    int has_intercepts, int v, struct bundle_vector *of)
-{
-    MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) of->slope[i] = v_load(rays->term[i] + v);
-    MLRT_UNROLL
-    for (int i = 0; i < 3; ++i) of->to_waist[i] = has_intercepts ? v_load(rays->to_waist[i] + v) : v_set1(0);
-    load_nearest_hits(rays, packet, v, &of->nearest);
-}
-
 /* Error bounds of D and N that hold for all rays of a packet and all triangles. */
 struct plane_bounds {
     vf width;   /* 16 u R: of D */
@@ -166,7 +156,11 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
     vf bound = v_set1(edges->bound[0]);
     struct bundle_vector of;
     struct close_triangle_of_leaf close[MLRT_BVH_LEAF_LIMIT];
-    load_bundle_vector(rays, packet, has_intercepts, v, &of);
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) of.slope[i] = v_load(rays->term[i] + v);
+    MLRT_UNROLL
+    for (int i = 0; i < 3; ++i) of.to_waist[i] = has_intercepts ? v_load(rays->to_waist[i] + v) : v_set1(0);
+    load_nearest_hits(rays, packet, v, &of.nearest);
     for (uint32_t met = edges->of_vector[v / VW]; met; met &= met - 1) {
         const uint32_t triangle = mlrt_lowest_bit(met), number = leaf->numbers[triangle];
         if (has_intercepts) bound = v_set1(edges->bound[triangle]);

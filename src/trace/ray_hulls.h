@@ -119,12 +119,11 @@ static MLRT_NOINLINE void bound_packet(struct mlrt_bundle *bundle, uint32_t plac
     vf least[LEAST_TERMS];
     for (int i = 0; i < LEAST_TERMS; ++i) least[i] = inf;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        static const int term[4] = {MLRT_SLOPE_J, MLRT_SLOPE_L, MLRT_INTERCEPT_J, MLRT_INTERCEPT_L};
         const vm lanes = m_from_bits(active >> v);
         const vf to_waist = v_load(rays->to_waist[0] + v), zero = v_set1(0);
         MLRT_UNROLL
-        for (int i = 0; i < 4; ++i) {
-            const vf value = i < 2 || bundle->has.intercepts ? v_load(rays->term[term[i]] + v) : zero;
+        for (int i = 0; i < MLRT_MOMENT; ++i) {
+            const vf value = i < 2 || bundle->has.intercepts ? v_load(rays->term[i] + v) : zero;
             const int at = (i < 2 ? LEAST_SLOPE_TERM : LEAST_INTERCEPT) + (i & 1);
             least[at] = v_min(v_select(lanes, value, inf), least[at]);
             least[at + 2] = v_min(v_select(lanes, v_sub(zero, value), inf), least[at + 2]);
@@ -294,22 +293,12 @@ MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, i
     return fit;
 }
 
-static MLRT_NOINLINE uint32_t bound_rays(struct mlrt_bundle *bundle, uint32_t place)
-{
-    return bound_rays_by(bundle, place, 1);
-}
-
-static MLRT_NOINLINE uint32_t bound_apex_rays(struct mlrt_bundle *bundle, uint32_t place)
-{
-    return bound_rays_by(bundle, place, 0);
-}
-
 /* Bounds a packet, wherever its rays start. Returns the lanes whose rays can be traced with the bundle. */
-static uint32_t bound_from_anywhere(struct mlrt_bundle *bundle, uint32_t place)
+static MLRT_NOINLINE uint32_t bound_rays(struct mlrt_bundle *bundle, uint32_t place)
 {
     const int is_apex = bundle->has.apex && starts_at_waist(bundle->apex, &bundle->tile->packets[place]);
     bundle->state.apexes |= (uint32_t)is_apex << place;
-    return is_apex ? bound_apex_rays(bundle, place) : bound_rays(bundle, place);
+    return is_apex ? bound_rays_by(bundle, place, 0) : bound_rays_by(bundle, place, 1);
 }
 
 /* By its hull, may a packet have slopes between -LEAST_SLOPE and LEAST_SLOPE? */
@@ -503,15 +492,13 @@ static MLRT_NOINLINE void finish_hulls(struct mlrt_bundle *bundle, int v)
     const vf error = v_mul_add(v_mul(direction_size, away), v_set1(INTERCEPT_ERROR), v_set1(INTERCEPT_FLOOR));
     v_store(hulls->filter.direction_size + v, direction_size);
     v_store(hulls->filter.blur + v, v_mul_add(largest, v_set1(BLUR_OF_INTERCEPT), error));
+    const vf slack = v_set1(SLOPE_SLACK);
     MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) {
-        const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v), slack = v_set1(SLOPE_SLACK);
-        const vf floor = v_set1(HULL_FLOOR);
-        v_store(hulls->slope[i].lo + v, v_select(going, v_sub(lo, v_mul_add(v_abs(lo), slack, floor)), inf));
-        v_store(hulls->slope[i].hi + v, v_select(going, v_add(hi, v_mul_add(v_abs(hi), slack, floor)), none));
-        const vf from = v_load(hulls->term[2 + i].lo + v), to = v_load(hulls->term[2 + i].hi + v);
-        v_store(hulls->intercept[i].lo + v, v_select(going, v_sub(from, v_mul_add(v_abs(from), slack, error)), inf));
-        v_store(hulls->intercept[i].hi + v, v_select(going, v_add(to, v_mul_add(v_abs(to), slack, error)), none));
+    for (int i = 0; i < MLRT_MOMENT; ++i) {
+        const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v);
+        const vf floor = i < MLRT_INTERCEPT_J ? v_set1(HULL_FLOOR) : error;
+        v_store(hulls->moved[i].lo + v, v_select(going, v_sub(lo, v_mul_add(v_abs(lo), slack, floor)), inf));
+        v_store(hulls->moved[i].hi + v, v_select(going, v_add(hi, v_mul_add(v_abs(hi), slack, floor)), none));
     }
 }
 
@@ -527,25 +514,21 @@ static MLRT_NOINLINE void sum_up_hulls(struct mlrt_bundle *bundle)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
     struct mlrt_hull *whole = &bundle->whole;
-    struct extremes slope[2] = {NO_EXTREMES, NO_EXTREMES}, intercept[2] = {NO_EXTREMES, NO_EXTREMES};
+    struct extremes of[MLRT_MOMENT] = {NO_EXTREMES, NO_EXTREMES, NO_EXTREMES, NO_EXTREMES};
     vf first = v_set1(INFINITY);
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         MLRT_UNROLL
-        for (int i = 0; i < 2; ++i) {
-            slope[i].least = v_min(v_load(hulls->slope[i].lo + v), slope[i].least);
-            slope[i].negated = v_min(v_sub(v_set1(0), v_load(hulls->slope[i].hi + v)), slope[i].negated);
-            intercept[i].least = v_min(v_load(hulls->intercept[i].lo + v), intercept[i].least);
-            intercept[i].negated = v_min(v_sub(v_set1(0), v_load(hulls->intercept[i].hi + v)), intercept[i].negated);
+        for (int i = 0; i < MLRT_MOMENT; ++i) {
+            of[i].least = v_min(v_load(hulls->moved[i].lo + v), of[i].least);
+            of[i].negated = v_min(v_sub(v_set1(0), v_load(hulls->moved[i].hi + v)), of[i].negated);
         }
         first = v_min(v_load(hulls->first + v), first);
     }
-    MLRT_ALIGNED(16) float least[4];
-    f4_store(least, v_hmin4(slope[0].least, slope[1].least, slope[0].negated, slope[1].negated));
+    MLRT_ALIGNED(16) float least[4], negated[4];
+    f4_store(least, v_hmin4(of[0].least, of[1].least, of[2].least, of[3].least));
+    f4_store(negated, v_hmin4(of[0].negated, of[1].negated, of[2].negated, of[3].negated));
     MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) whole->slope_lo[i] = least[i], whole->slope_hi[i] = -least[2 + i];
-    f4_store(least, v_hmin4(intercept[0].least, intercept[1].least, intercept[0].negated, intercept[1].negated));
-    MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) whole->intercept_lo[i] = least[i], whole->intercept_hi[i] = -least[2 + i];
+    for (int i = 0; i < MLRT_MOMENT; ++i) whole->lo[i] = least[i], whole->hi[i] = -negated[i];
     whole->first = v_hmin(first);
     set_whole_last(bundle);
 }
@@ -558,10 +541,7 @@ static void leave_bundle(struct mlrt_bundle *bundle, uint32_t place)
     hulls->first[place] = INFINITY;
     hulls->last[place] = -INFINITY;
     MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) {
-        hulls->slope[i].lo[place] = hulls->intercept[i].lo[place] = INFINITY;
-        hulls->slope[i].hi[place] = hulls->intercept[i].hi[place] = -INFINITY;
-    }
+    for (int i = 0; i < MLRT_MOMENT; ++i) hulls->moved[i].lo[place] = INFINITY, hulls->moved[i].hi[place] = -INFINITY;
 }
 
 #endif

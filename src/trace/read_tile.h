@@ -11,12 +11,13 @@
 
 /*
  * Reads the rays of all packets of a tile. Those of a pinhole camera are checked; of another source, all rays that
- * exist become active without a check.
+ * exist become active without a check. Returns the packets that have rays that are active, or in double.
  */
-static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile *tile)
+static uint32_t read_packets(const struct mlrt_source *source, struct mlrt_ray_tile *tile)
 {
     struct known_mesh known = NO_MESH;
     struct mlrt_array_reader reader;
+    uint32_t waiting = 0;
     const uint32_t whole = mlrt_begin_reading(source, &reader) ? mlrt_whole_places(source, tile) : 0;
     for (uint32_t left = tile->blocks; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
@@ -30,10 +31,13 @@ static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile 
             lanes = mlrt_existing_lanes(source, &block);
             fetch_block(source, &block, lanes, packet);
         }
-        if (mlrt_is_pinhole(source)) continue;
-        packet->active = lanes;
-        packet->in_double = 0;
+        if (!mlrt_is_pinhole(source)) {
+            packet->active = lanes;
+            packet->in_double = 0;
+        }
+        waiting |= ((packet->active | packet->in_double) != 0u) << place;
     }
+    return waiting;
 }
 
 #endif

@@ -144,10 +144,8 @@ static MLRT_NOINLINE uint32_t settle_ends(const struct mlrt_tree *tree, const st
     const struct mlrt_triangle corners = triangle_of_leaf(tree, leaf, triangle);
     mlrt_set_plane(&corners, &plane);
     const float *t = at_end ? packet->t_max : packet->has.limits ? packet->t_min : NULL;
-    struct measured_lanes n;
-    measure_n(&plane, packet, 0, &n);
     const struct sides_of_plane sides =
-        find_sides_of_plane(&plane, packet, t, is_backward ? -bundle->waist.sign : bundle->waist.sign, &n);
+        find_sides_of_plane(&plane, packet, t, is_backward ? -bundle->waist.sign : bundle->waist.sign);
     vm farther, nearer;
     compare_planes(of, hits, &farther, &nearer);
     const uint32_t missed = (at_end ? sides.before : sides.behind) >> v & those;
@@ -190,7 +188,7 @@ static MLRT_NOINLINE uint32_t settle_leaf(const struct mlrt_job *job, struct mlr
                 left = settle_ends(job->tree, bundle, leaf, close[i].triangle, place, left, close[i].inside, plane, v,
                                    nearest);
         } else {
-            if (left) left = settle_lanes(job, worker, bundle, place, number, left, close[i].inside, plane, v, nearest);
+            left = settle_lanes(job, worker, bundle, place, number, left, close[i].inside, plane, v, nearest);
         }
         if (left) {
             decided |= decide_bundle_lanes(job, worker, bundle, place, number, left, close[i].inside, v, nearest);

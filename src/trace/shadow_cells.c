@@ -67,13 +67,6 @@ static enum side find_plane(const struct mlrt_source *light, const struct mlrt_t
     return FACING;
 }
 
-static void copy_plane(struct planes *planes, uint32_t from, uint32_t to)
-{
-    for (int k = 0; k < 3; ++k) planes->m[k][to] = planes->m[k][from];
-    planes->n[to] = planes->n[from];
-    planes->greatest_p[to] = planes->greatest_p[from];
-}
-
 /*
  * Finds the planes of the cells `among` whose covers face the light, and returns these cells. *dark receives those
  * whose covers surely face away. Cells in neither set are undecided.
@@ -90,7 +83,9 @@ static uint32_t find_planes(const struct mlrt_source *light, const struct mlrt_t
             const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
             side = find_plane(light, &triangle, seen->waist.point, planes, last = place);
         } else if (side == FACING) {
-            copy_plane(planes, last, place);
+            for (int k = 0; k < 3; ++k) planes->m[k][place] = planes->m[k][last];
+            planes->n[place] = planes->n[last];
+            planes->greatest_p[place] = planes->greatest_p[last];
         }
         facing |= (uint32_t)(side == FACING) << place;
         *dark |= (uint32_t)(side == DARK) << place;

@@ -37,21 +37,6 @@ static uint32_t covered_cells(const struct mlrt_bundle *bundle)
     return bundle->state.closed & ~mlrt_same_words(bundle->hulls.closed.cover, MLRT_NONE);
 }
 
-/*
- * Traces the light's cells of the cells `covered`, in a bundle without a tile. Returns the cells that are lit; *dark
- * receives those that are in shadow. The others are undecided: `bundle` does not have them, or they were opened.
- */
-static uint32_t trace_lit_cells(const struct mlrt_job *light, struct mlrt_worker *worker,
-                                const struct mlrt_bundle *seen, uint32_t covered, struct mlrt_bundle *bundle,
-                                uint32_t *dark)
-{
-    if (!mlrt_make_lit_cells(&light->source, light->tree, seen, covered, bundle, dark)) return 0;
-    trace_cells(light, worker, 0, bundle);
-    const uint32_t shaded = covered_cells(bundle);
-    *dark |= shaded;
-    return bundle->state.closed & ~shaded;
-}
-
 /* Decides lights for the closed cells of a square, into `known`. Returns the cells for which all lights are decided. */
 static MLRT_NOINLINE uint32_t shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker,
                                           const struct mlrt_bundle *seen, struct known_lights known[MLRT_CELL_COUNT])
@@ -66,8 +51,11 @@ static MLRT_NOINLINE uint32_t shade_cells(const struct mlrt_job *job, struct mlr
         struct mlrt_bundle bundle;
         uint32_t dark = 0, lit = 0;
         bundle.tile = NULL;
-        if (covered && have_lit_cells(job, light)) {
-            lit = trace_lit_cells(light, worker, seen, covered, &bundle, &dark);
+        if (covered && have_lit_cells(job, light) &&
+            mlrt_make_lit_cells(&light->source, job->tree, seen, covered, &bundle, &dark)) {
+            trace_cells(light, worker, 0, &bundle);
+            dark |= covered_cells(&bundle);
+            lit = bundle.state.closed & ~dark;
         }
         for (uint32_t left = dark | lit; left; left &= left - 1) {
             struct known_lights *of = &known[mlrt_lowest_bit(left)];

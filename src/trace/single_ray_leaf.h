@@ -159,7 +159,6 @@ static MLRT_NOINLINE struct corner_rows settle_undecided(const struct mlrt_job *
                                                          struct corner_rows nearest, struct mlrt_packet *packet,
                                                          struct mlrt_worker *worker)
 {
-    uint32_t tried = 0;
     hit &= undecided;
     if (undecided & ~hit) {
         undecided &= hit | places_ahead(corners, row, lane, packet, worker);
@@ -172,24 +171,28 @@ static MLRT_NOINLINE struct corner_rows settle_undecided(const struct mlrt_job *
             least = x < least ? x : least;
         }
         packet->nearest.lo[lane] = least;
-        tried = order_places(job, numbers, corners, row, hit, lane, &nearest, packet, worker);
-        undecided = (undecided & ~hit) | tried;
+        undecided &= ~hit | order_places(job, numbers, corners, row, hit, lane, &nearest, packet, worker);
         if (MLRT_LIKELY(!undecided)) return nearest;
     }
     const uint32_t before = packet->nearest.triangle[lane];
-    decide_scaled_triangles(job, numbers, undecided, inside, tried, lane, packet, worker);
+    decide_scaled_triangles(job, numbers, undecided, inside, lane, packet, worker);
     const uint32_t after = packet->nearest.triangle[lane];
     return after == before ? nearest : (struct corner_rows){corners + find_place(numbers, after), row};
 }
 
 /*
- * Decides the triangles of a part of a leaf where the ray may be `inside` the edges. Sets *nearest if the nearest hit
- * changes. Returns 1 if a query for any hit has one.
+ * Decides the triangles of a part of a leaf for a lane, given edge functions and D. Sets the rest of *test. `to` goes
+ * from the origin to corners a. Sets *nearest if the nearest hit changes. Returns 1 if a query for any hit has one.
  */
-MLRT_INLINE int settle_places(const struct mlrt_job *job, int any, const struct leaf_part *part, vm inside,
-                              const struct float_test *test, uint32_t lane, vf t_min, struct corner_rows *nearest,
-                              struct mlrt_packet *packet, struct mlrt_worker *worker)
+MLRT_INLINE int settle_vector(const struct mlrt_job *job, int any, const struct leaf_part *part,
+                              const vf term[SIDE_TERMS], const vf to[3], vf t_min, uint32_t lane,
+                              struct corner_rows *nearest, struct float_test *test, struct mlrt_packet *packet,
+                              struct mlrt_worker *worker)
 {
+    set_edge_bound(term, to, test);
+    const vm inside = may_be_inside(test, m_from_bits(ALL_LANES));
+    if (VW <= 4 && !m_bits(inside)) return 0; /* wide vectors take one branch, after distances */
+    set_plane(term, to, test);
     const vm ignored = places_without_test(packet, lane, i_load_any(part->numbers));
     const vm left = may_be_nearer(test, m_andnot(inside, ignored), t_min, v_set1(packet->nearest.hi[lane]));
     uint32_t candidates = m_bits(left) & part->places;
@@ -228,22 +231,6 @@ MLRT_INLINE int settle_places(const struct mlrt_job *job, int any, const struct 
         return any && packet->nearest.triangle[lane] != MLRT_NONE;
     }
     return 0;
-}
-
-/*
- * Decides the triangles of a part of a leaf for a lane, given edge functions and D. Sets the rest of *test. `to` goes
- * from the origin to corners a. Sets *nearest if the nearest hit changes. Returns 1 if a query for any hit has one.
- */
-MLRT_INLINE int settle_vector(const struct mlrt_job *job, int any, const struct leaf_part *part,
-                              const vf term[SIDE_TERMS], const vf to[3], vf t_min, uint32_t lane,
-                              struct corner_rows *nearest, struct float_test *test, struct mlrt_packet *packet,
-                              struct mlrt_worker *worker)
-{
-    set_edge_bound(term, to, test);
-    const vm inside = may_be_inside(test, m_from_bits(ALL_LANES));
-    if (VW <= 4 && !m_bits(inside)) return 0; /* wide vectors take one branch, after distances */
-    set_plane(term, to, test);
-    return settle_places(job, any, part, inside, test, lane, t_min, nearest, packet, worker);
 }
 
 /* Counts the tests of a lane and the triangles of a leaf that it sees, in kernels that count. */

@@ -86,8 +86,8 @@ static int ends_closer(const struct mlrt_bundle *bundle)
     const float last = whole->last < bundle->scene.core_last ? whole->last : bundle->scene.core_last;
     float spread = 0, width = 0;
     for (int i = 0; i < 2; ++i) {
-        spread += whole->slope_hi[i] - whole->slope_lo[i];
-        width += whole->intercept_hi[i] - whole->intercept_lo[i];
+        spread += whole->hi[MLRT_SLOPE_J + i] - whole->lo[MLRT_SLOPE_J + i];
+        width += whole->hi[MLRT_INTERCEPT_J + i] - whole->lo[MLRT_INTERCEPT_J + i];
     }
     return spread * (last - first) < width || fabsf(last) < fabsf(first);
 }
@@ -124,7 +124,7 @@ static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
     for (uint32_t left = ~(places | cells) & 0xFFFF; left; left &= left - 1)
         leave_bundle(bundle, mlrt_lowest_bit(left));
     for (uint32_t left = places; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left), fit = bound_from_anywhere(bundle, place);
+        const uint32_t place = mlrt_lowest_bit(left), fit = bound_rays(bundle, place);
         odd |= (uint32_t)((bundle->tile->packets[place].active & ~fit) != 0) << place;
     }
     bundle->state.going = cells | hulls_fit(bundle, places & ~odd);
@@ -132,7 +132,7 @@ static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
         const uint32_t place = mlrt_lowest_bit(left), bit = left & (0u - left);
         struct mlrt_packet *packet = &bundle->tile->packets[place];
         check_packet_outside(&bundle->scene, packet);
-        const int fits = packet->active && !(packet->active & ~bound_from_anywhere(bundle, place));
+        const int fits = packet->active && !(packet->active & ~bound_rays(bundle, place));
         if (fits && hulls_fit(bundle, bit)) {
             bundle->state.going |= bit;
         } else {
@@ -181,6 +181,7 @@ static void begin_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
 /* Makes the hulls of all packets from the extremes of their rays. They have no covers so far. */
 static void finish_all_hulls(struct mlrt_bundle *bundle)
 {
+    bundle->has.intercepts = (bundle->state.going & ~bundle->state.apexes) != 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         finish_depths(bundle, bundle->state.going, v);
         finish_hulls(bundle, v);
@@ -212,7 +213,6 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     bundle->has.apex = may_be_apex && find_apex(bundle, bundle->apex);
     const uint32_t others = add_packets(bundle, places);
     if (!bundle->state.going) return others;
-    bundle->has.intercepts = (bundle->state.going & ~bundle->state.apexes) != 0;
     finish_all_hulls(bundle);
     bundle->state.closed = mlrt_skips_attempt(&worker->bundles->open_bundles[job->any]) ? 0 : bundle->state.going;
     bundle->state.closed |= cells;
@@ -220,9 +220,6 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
         if (bundle->tile->packets[mlrt_lowest_bit(left)].has.masks) bundle->state.closed &= ~(left & (0u - left));
     }
     take_wide_packets_apart(job->any, places, bundle);
-    sum_up_hulls(bundle);
-    bundle->far_first = job->any && ends_closer(bundle);
-    keep_bundle_waist(&bundle->waist, bundle->cache);
     return others;
 }
 
@@ -255,6 +252,9 @@ static void trace_first_parts(const struct mlrt_job *job, struct mlrt_worker *wo
 static void trace_going_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
     uint32_t first[MLRT_BUNDLE_PACKETS], places = 0;
+    sum_up_hulls(bundle);
+    bundle->far_first = job->any && ends_closer(bundle);
+    keep_bundle_waist(&bundle->waist, bundle->cache);
     trace_first_parts(job, worker, bundle);
     const uint32_t going = bundle->state.going;
     for (uint32_t left = bundle->state.divided; left; left &= left - 1) {
@@ -298,7 +298,6 @@ static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_wo
 {
     begin_bundle(job, worker, bundle);
     bundle->has.apex = bundle->state.apexes && find_apex(bundle, bundle->apex);
-    bundle->has.intercepts = (bundle->state.going & ~bundle->state.apexes) != 0;
     set_scene_depths(&job->tree->bvh, bundle);
     for (uint32_t left = ~bundle->state.going & 0xFFFF; left; left &= left - 1)
         leave_bundle(bundle, mlrt_lowest_bit(left));
@@ -307,9 +306,6 @@ static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_wo
     for (uint32_t left = is_open ? bundle->state.going : 0; left; left &= left - 1) {
         open_bundle_packet(job, bundle, mlrt_lowest_bit(left));
     }
-    sum_up_hulls(bundle);
-    bundle->far_first = job->any && ends_closer(bundle);
-    keep_bundle_waist(&bundle->waist, bundle->cache);
     trace_going_packets(job, worker, bundle);
     if (bundle->arrays) mlrt_end_cover_parts(bundle, &worker->bundles->parts);
     if (bundle->state.set_aside) trace_packets_by_lanes(job, worker, bundle->tile, bundle->state.set_aside);

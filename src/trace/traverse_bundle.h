@@ -145,13 +145,6 @@ static MLRT_NOINLINE void release_packet(struct mlrt_bundle *bundle, uint32_t pl
     set_packet_distances(&bundle->tile->rays[place], &bundle->tile->packets[place]);
 }
 
-/* Takes a packet out of the bundle for which too many triangles were tested in vain. */
-static void give_up_packet(struct mlrt_bundle *bundle, uint32_t place)
-{
-    release_packet(bundle, place);
-    bundle->state.given_up |= 1u << place;
-}
-
 /* Updates the hulls after new hits: rays look for nearer hits only. */
 MLRT_INLINE void settle_bundle(struct mlrt_bundle *bundle)
 {
@@ -247,7 +240,8 @@ static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlr
     const uint32_t most = is_alike ? MLRT_MOST_WAIST_TESTS : MLRT_MOST_TESTS;
     if (changed) update_bundle(bundle, place, changed, job->any);
     if (MLRT_UNLIKELY(bundle->state.tests[place] > most) && bundle->state.going >> place & 1) {
-        give_up_packet(bundle, place);
+        release_packet(bundle, place);
+        bundle->state.given_up |= 1u << place;
     }
 }
 

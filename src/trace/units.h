@@ -190,25 +190,24 @@ static int passes_box(const struct mlrt_packet *packet, uint32_t lane, const str
 }
 
 /*
- * As mlrt_decide_triangles (undecided.h). The float filter leaves all odd triangles undecided, so these are decided in
- * double first.
+ * Decides whether one ray hits the triangles numbers[i], for each bit i of `undecided`; it surely passes inside the
+ * edges of those in `inside`. Returns 1 if one of them became a nearer hit. With a query for any hit, the first hit
+ * ends it. The float filter leaves all odd triangles undecided.
  */
 static int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided, uint32_t inside,
-                            uint32_t tried, uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker)
+                            uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    int changed = 0;
-    for (uint32_t left = job->tree->bvh.is_usual ? 0 : undecided; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left), number = numbers[place];
-        if (MLRT_LIKELY(!mlrt_is_odd(job->tree, number))) continue;
-        const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
-        undecided &= ~(1u << place);
-        if (passes_box(packet, lane, &triangle)) continue;
-        changed |= decide_lanes(job->tree, number, 1u << lane, 0, packet, worker, COUNTERS(worker)) != 0;
-        if (changed && job->any) return 1;
+    uint32_t hit = 0;
+    for (; undecided && !(hit && job->any); undecided &= undecided - 1) {
+        const uint32_t place = mlrt_lowest_bit(undecided), number = numbers[place];
+        if (MLRT_UNLIKELY(!job->tree->bvh.is_usual) && mlrt_is_odd(job->tree, number)) {
+            const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
+            if (passes_box(packet, lane, &triangle)) continue;
+        }
+        hit |= mlrt_decide_lanes(job->tree, number, 1u << lane, (inside >> place & 1) << lane, packet, worker,
+                                 COUNTERS(worker));
     }
-    if (!undecided) return changed;
-    return changed |
-           mlrt_decide_triangles(job, numbers, undecided, inside, tried, lane, packet, worker, COUNTERS(worker));
+    return hit != 0;
 }
 
 /*
@@ -231,14 +230,14 @@ static void fill_lone_packet(struct mlrt_packet *packet, struct mlrt_worker *wor
 
 /* As decide_triangles, for a packet that may be in units. */
 static MLRT_NOINLINE int decide_scaled_triangles(const struct mlrt_job *job, const uint32_t *numbers,
-                                                 uint32_t undecided, uint32_t inside, uint32_t tried, uint32_t lane,
+                                                 uint32_t undecided, uint32_t inside, uint32_t lane,
                                                  struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     struct mlrt_scaled_packet *scaled = worker->scaled;
     if (worker->lone) fill_lone_packet(packet, worker);
-    if (MLRT_LIKELY(!scaled)) return decide_triangles(job, numbers, undecided, inside, tried, lane, packet, worker);
+    if (MLRT_LIKELY(!scaled)) return decide_triangles(job, numbers, undecided, inside, lane, packet, worker);
     take_scaled_hits(scaled, 1u << lane);
-    const int changed = decide_triangles(job, numbers, undecided, inside, tried, lane, scaled->given, worker);
+    const int changed = decide_triangles(job, numbers, undecided, inside, lane, scaled->given, worker);
     reload_nearest(scaled, 1u << lane, (uint32_t)changed << lane);
     return changed;
 }

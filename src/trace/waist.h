@@ -26,7 +26,6 @@ static int take_sample(const struct mlrt_packet *packet, uint32_t lane, const st
                        struct ray_sample *sample)
 {
     float largest = 0;
-    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         sample->origin[k] = (packet->has.apex ? packet->apex[k] : packet->origin[k][lane]) * scene->unit;
         sample->direction[k] = packet->direction[k][lane];
@@ -72,7 +71,6 @@ static void find_spread(const struct ray_sample *samples, uint32_t count, const 
         const float depth = (samples[i].origin[a] - from->point[a]) * from->sign;
         if (!(pace > 0)) continue;
         taken += 1;
-        MLRT_UNROLL
         for (int side = 0; side < 2; ++side) {
             const int j = mlrt_slope_axis(a, side);
             const float s = samples[i].direction[j] * scale, x = samples[i].origin[j] - from->point[j] - s * depth;
@@ -87,7 +85,6 @@ static void find_spread(const struct ray_sample *samples, uint32_t count, const 
     of->slope_slope *= share;
     of->slope_intercept *= share;
     of->intercept_intercept *= share;
-    MLRT_UNROLL
     for (int side = 0; side < 2; ++side) {
         of->slope[side] *= share;
         of->intercept[side] *= share;
@@ -112,7 +109,6 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
     memcpy(waist->point, samples[0].origin, sizeof waist->point);
     int is_apex = 1;
     for (uint32_t i = 1; i < count; ++i) {
-        MLRT_UNROLL
         for (int k = 0; k < 3; ++k) is_apex &= samples[i].origin[k] == waist->point[k];
     }
     if (is_apex) return 1;
@@ -137,16 +133,13 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
         }
     }
     waist->is_beam = is_beam;
-    MLRT_UNROLL
     for (int side = 0; side < 2; ++side) {
         const float slope = of.slope[side];
         waist->slope[side] = is_beam && fabsf(slope) <= STEEPEST_SLOPE ? slope : 0;
     }
     float step[3];
     step[a] = waist->sign * depth;
-    MLRT_UNROLL
     for (int side = 0; side < 2; ++side) step[mlrt_slope_axis(a, side)] = of.intercept[side] + of.slope[side] * depth;
-    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) { /* a step that overflows is left out: the waist stays at the first sample's origin */
         if (fabsf(waist->point[k] + step[k]) <= MLRT_SAFE_MAX) waist->point[k] += step[k];
     }
@@ -157,7 +150,6 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
 static int find_apex(const struct mlrt_bundle *bundle, float apex[3])
 {
     int is_exact = 1;
-    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         apex[k] = bundle->waist.point[k] / bundle->scene.unit;
         is_exact &= apex[k] * bundle->scene.unit == bundle->waist.point[k];

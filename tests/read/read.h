@@ -11,7 +11,7 @@ struct readers {
     void (*fetch_block)(const struct mlrt_source *source, const struct mlrt_rectangle *block, uint32_t lanes,
                         struct mlrt_packet *packet);
     void (*check_block)(const struct mlrt_source *source, uint32_t lanes, struct mlrt_packet *packet);
-    void (*read_packets)(const struct mlrt_source *source, struct mlrt_ray_tile *tile);
+    uint32_t (*read_packets)(const struct mlrt_source *source, struct mlrt_ray_tile *tile);
 };
 
 extern const struct readers readers_scalar, readers_sse, readers_avx2, readers_avx512, readers_neon;
