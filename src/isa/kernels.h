@@ -18,8 +18,7 @@
 #include "trace/levels.h"
 #include "trace/one_ray.h"
 
-const struct mlrt_kernels BOX_KERNELS = {
-    .width = VW, .trace_area = trace_area, .trace_ray = trace_one_ray, .trace_ray_in_units = trace_one_ray_in_units};
+const struct mlrt_kernels BOX_KERNELS = {.width = VW, .trace_area = trace_area, .trace_ray = trace_one_ray};
 #endif
 
 #ifdef KDTREE_KERNELS

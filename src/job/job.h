@@ -119,16 +119,10 @@ struct mlrt_kernels {
     /* Traces the rays of a rectangle that starts at multiples of 4, and writes their results to frame and tile. */
     void (*trace_area)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area);
     /*
-     * Traces one ray in float, without counting, and sets the fields of the hit that its query writes. The unit of the
-     * boxes is 1, and the ray meets the box of the scene. Returns MLRT_OK. The kernels of the kd-tree have NULL.
-     * trace/one_ray.h
+     * Traces one ray in float, without counting, and sets the fields of the hit that its query writes. The ray meets
+     * the box of the scene. Returns MLRT_OK. The kernels of the kd-tree have NULL. trace/one_ray.h
      */
     int32_t (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit);
-    /*
-     * Likewise where the unit is not 1: brings the ray as it was given into units. If float does not carry it there,
-     * this sets nothing and returns another status than MLRT_OK.
-     */
-    int32_t (*trace_ray_in_units)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit);
 };
 
 /*

@@ -11,6 +11,7 @@
 #include "base/platform.h"
 #include "exact/segment.h"
 #include "mlrt.h"
+#include "rays/ray_powers.h"
 
 /* job/job.h */
 struct mlrt_kernels;
@@ -26,6 +27,8 @@ struct mlrt_lone_ray {
     uint32_t mask;
     uint32_t skip; /* the number of a triangle that the ray passes through, or MLRT_NONE */
     int any;       /* any hit will do */
+    int in_units;  /* 1 = the vectors above are in units, by these powers, which are not set otherwise */
+    struct mlrt_ray_powers powers;
     /* The vectors as they were given. They stay until the ray is traced. */
     const float *given_origin;
     const float *given_direction;

@@ -63,6 +63,7 @@ MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const struct mlrt_box *bo
     f4_store(ray->reciprocal, reciprocal);
     ray->t_min = t_min;
     ray->t_max = t_max;
+    ray->in_units = 0;
     return MLRT_LONE_RAY_MAY_HIT;
 }
 

@@ -5,6 +5,8 @@
 #ifndef MLRT_TRACE_ONE_RAY_H
 #define MLRT_TRACE_ONE_RAY_H
 
+#include <float.h>
+
 #include "hits/hit_numbers.h"
 #include "job/write_arrays.h"
 #include "rays/lone_ray.h"
@@ -15,20 +17,29 @@ struct lone_search {
     struct mlrt_job job;
     struct mlrt_worker worker;
     struct mlrt_known_plane plane; /* the only one that the worker can keep */
+    struct mlrt_scaled_packet scaled;
+    struct mlrt_packet given; /* if the ray is in units: the ray as it was given */
 };
 
 /*
- * Sets what is needed to trace a ray, whose numbers are in units, through boxes: as lane 0 of *packet, which is that of
- * `scaled`, if the unit is not 1. fill_lone_packet (units.h) sets other fields where they are needed.
+ * Sets what is needed to trace a ray through boxes, as lane 0 of the packet of search->scaled. fill_lone_packet
+ * (units.h) sets other fields where they are needed.
  */
 MLRT_INLINE void begin_lone_search(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
-                                   struct mlrt_scaled_packet *scaled, struct mlrt_packet *packet,
                                    struct lone_search *search)
 {
+    struct mlrt_packet *packet = &search->scaled.rays;
+    float begin = ray->t_min, end = ray->t_max;
+    search->worker.scaled = NULL;
+    if (MLRT_UNLIKELY(ray->in_units)) {
+        mlrt_scale_range(ray->t_min, ray->t_max, ray->powers.time, &begin, &end);
+        search->scaled.given = &search->given;
+        search->worker.scaled = &search->scaled;
+    }
     search->job.tree = tree;
     search->job.any = ray->any;
-    packet->t_min[0] = ray->t_min;
-    packet->nearest.lo[0] = packet->nearest.hi[0] = ray->t_max;
+    packet->t_min[0] = begin;
+    packet->nearest.lo[0] = packet->nearest.hi[0] = end;
     packet->nearest.triangle[0] = MLRT_NONE;
     packet->skip[0] = ray->skip;
     packet->has.skip = ray->skip != MLRT_NONE;
@@ -36,8 +47,19 @@ MLRT_INLINE void begin_lone_search(const struct mlrt_tree *tree, const struct ml
     search->worker.mask = ray->mask;
     search->worker.known.planes = &search->plane;
     search->worker.lone = ray;
-    search->worker.scaled = scaled;
     CLEAR_COUNTS(&search->worker);
+}
+
+/*
+ * Brings t of a hit back from units. Returns 0 if it may round otherwise there: powers of two commute with rounding
+ * where both numbers are normal.
+ */
+MLRT_INLINE int leave_units(const struct mlrt_lone_ray *ray, mlrt_hit *hit)
+{
+    const float t = hit->t * ray->powers.inverse_time;
+    const int is_normal = hit->t >= FLT_MIN && hit->t <= FLT_MAX && t >= FLT_MIN && t <= FLT_MAX;
+    hit->t = t;
+    return is_normal;
 }
 
 /*
@@ -47,65 +69,27 @@ MLRT_INLINE void begin_lone_search(const struct mlrt_tree *tree, const struct ml
 static int32_t trace_one_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
     const struct ray_rows rows = rows_of_lone_ray(ray);
-    struct mlrt_packet packet;
     struct lone_search search;
+    struct mlrt_packet *packet = &search.scaled.rays;
     if (MLRT_UNLIKELY(tree->bvh.node_count == 0)) {
         mlrt_set_result(tree, ray, MLRT_NONE, hit);
         return MLRT_OK;
     }
-    begin_lone_search(tree, ray, NULL, &packet, &search);
+    begin_lone_search(tree, ray, &search);
     if (ray->any) {
-        (void)trace_lane(&search.job, 1, &rows, 0, 0, &packet, &search.worker);
-        hit->occluded = packet.nearest.triangle[0] != MLRT_NONE;
+        (void)trace_lane(&search.job, 1, &rows, 0, 0, packet, &search.worker);
+        hit->occluded = packet->nearest.triangle[0] != MLRT_NONE;
         return MLRT_OK;
     }
-    const struct mlrt_corners corners = trace_lane(&search.job, 0, &rows, 0, 0, &packet, &search.worker);
-    const uint32_t number = packet.nearest.triangle[0];
-    if (number == MLRT_NONE || MLRT_UNLIKELY(!report_one_ray(&corners, ray->origin, ray->direction, hit))) {
+    const struct mlrt_corners corners = trace_lane(&search.job, 0, &rows, 0, 0, packet, &search.worker);
+    const uint32_t number = packet->nearest.triangle[0];
+    if (number == MLRT_NONE || MLRT_UNLIKELY(!report_one_ray(&corners, ray->origin, ray->direction, hit)) ||
+        (MLRT_UNLIKELY(ray->in_units) && !leave_units(ray, hit))) {
         mlrt_set_result(tree, ray, number, hit);
         return MLRT_OK;
     }
     mlrt_find_ids(tree, number, &hit->mesh, &hit->triangle);
     hit->occluded = 1;
-    return MLRT_OK;
-}
-
-/* The function `trace_ray_in_units` of job/job.h. */
-static int32_t trace_one_ray_in_units(const struct mlrt_tree *tree, const struct mlrt_lone_ray *given, mlrt_hit *hit)
-{
-    struct mlrt_ray_segment segment;
-    struct mlrt_packet packet;
-    struct mlrt_scaled_packet scaled;
-    struct lone_search search;
-    struct mlrt_lone_ray ray = *given;
-    if (tree->bvh.node_count == 0 || !mlrt_get_lone_segment(given, &segment)) {
-        mlrt_set_result(tree, given, MLRT_NONE, hit);
-        return MLRT_OK;
-    }
-    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) { /* all lanes are brought into units */
-        for (int k = 0; k < 3; ++k) {
-            packet.origin[k][lane] = segment.origin[k];
-            packet.direction[k][lane] = segment.direction[k];
-        }
-        packet.t_min[lane] = segment.t_min;
-        packet.t_max[lane] = packet.nearest.lo[lane] = packet.nearest.hi[lane] = segment.t_max;
-    }
-    packet.nearest.triangle[0] = MLRT_NONE;
-    packet.skip[0] = given->skip;
-    packet.has.skip = given->skip != MLRT_NONE;
-    packet.has.apex = packet.has.masks = 0;
-    if (!scale_packet(1, tree->bvh.unit, tree->bvh.reach, &packet, &scaled)) return MLRT_ERROR_UNSUPPORTED;
-    for (int k = 0; k < 3; ++k) {
-        ray.origin[k] = scaled.rays.origin[k][0];
-        ray.direction[k] = scaled.rays.direction[k][0];
-        ray.reciprocal[k] = 1 / ray.direction[k];
-    }
-    ray.t_min = scaled.rays.t_min[0];
-    ray.t_max = scaled.rays.nearest.hi[0];
-    begin_lone_search(tree, &ray, &scaled, &scaled.rays, &search);
-    const struct ray_rows rows = rows_of_lone_ray(&ray);
-    trace_single(&search.job, &rows, 0, 0, &scaled.rays, &search.worker);
-    mlrt_set_result(tree, given, scaled.rays.nearest.triangle[0], hit);
     return MLRT_OK;
 }
 

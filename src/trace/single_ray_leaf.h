@@ -95,6 +95,7 @@ MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const uint32_t *nu
         const uint32_t i = mlrt_lowest_bit(hit), other = packet->nearest.triangle[lane];
         if (!nearest->corner) {
             const struct mlrt_corners found = mlrt_corners_of(&job->tree->by_number, other);
+            if (MLRT_UNLIKELY(!found.in_units) && job->tree->bvh.unit != 1) return left | hit; /* an odd triangle */
             *nearest = (struct corner_rows){found.corner, found.row};
         }
         const struct mlrt_corners first = {corners + i, row, 1}, second = {nearest->corner, (uint32_t)nearest->row, 1};
@@ -164,7 +165,7 @@ static MLRT_NOINLINE struct corner_rows settle_undecided(const struct mlrt_job *
         undecided &= hit | places_ahead(corners, row, lane, packet, worker);
         if (!undecided) return nearest;
     }
-    if (hit && packet->nearest.triangle[lane] != MLRT_NONE && !worker->scaled) {
+    if (hit && packet->nearest.triangle[lane] != MLRT_NONE) {
         float least = packet->nearest.lo[lane];
         for (uint32_t left = hit; left; left &= left - 1) {
             const float x = lo[mlrt_lowest_bit(left)];

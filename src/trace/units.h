@@ -19,41 +19,24 @@
 #include "hits/undecided.h"
 #include "rays/check_packet.h"
 #include "rays/lone_ray.h"
+#include "rays/ray_powers.h"
 #include "simd/simd.h"
-
-MLRT_INLINE float power_of_two(uint32_t exponent_bits)
-{
-    const uint32_t bits = exponent_bits << 23;
-    float power;
-    memcpy(&power, &bits, sizeof power);
-    return power;
-}
-
-/* Are a float with this exponent and its reciprocal both normal? */
-MLRT_INLINE int is_normal_exponent(uint32_t exponent_bits)
-{
-    return exponent_bits - 2 <= 250;
-}
 
 /* Finds the powers of two of each lane. Returns those of `lanes` where the powers and their reciprocals are normal. */
 static uint32_t find_powers(const struct mlrt_packet *packet, uint32_t lanes, float unit,
                             struct mlrt_ray_scales *scales)
 {
-    uint32_t found = 0, unit_bits;
-    memcpy(&unit_bits, &unit, sizeof unit_bits);
+    uint32_t found = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf x = v_abs(v_load(packet->direction[0] + v)), y = v_abs(v_load(packet->direction[1] + v));
         v_store(scales->direction + v, v_max(v_max(x, y), v_abs(v_load(packet->direction[2] + v))));
     }
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        uint32_t bits;
-        memcpy(&bits, &scales->direction[lane], sizeof bits);
-        const uint32_t exponent = bits >> 23, time = exponent + (unit_bits >> 23) - 127;
-        const int is_normal = is_normal_exponent(exponent) && is_normal_exponent(time);
-        scales->direction[lane] = is_normal ? power_of_two(254 - exponent) : 1;
-        scales->time[lane] = is_normal ? power_of_two(time) : 1;
-        scales->inverse_time[lane] = is_normal ? power_of_two(254 - time) : 1;
-        found |= (uint32_t)is_normal << lane;
+        struct mlrt_ray_powers powers;
+        found |= (uint32_t)mlrt_find_ray_powers(scales->direction[lane], unit, &powers) << lane;
+        scales->direction[lane] = powers.direction;
+        scales->time[lane] = powers.time;
+        scales->inverse_time[lane] = powers.inverse_time;
     }
     return found & lanes;
 }
@@ -104,8 +87,7 @@ static void copy_nearest(const struct mlrt_packet *from, uint32_t lane, double t
 }
 
 /*
- * Copies a packet into `scaled`, in units. Returns those of `lanes` that float carries there. Underflow changes t_min
- * and hi by less than 2^-126, so they are moved outward by that; it is negligible beside DISTANCE_FLOOR.
+ * Copies a packet into `scaled`, in units. Returns those of `lanes` that float carries there.
  */
 static MLRT_NOINLINE uint32_t scale_packet(uint32_t lanes, float unit, float reach, struct mlrt_packet *packet,
                                            struct mlrt_scaled_packet *scaled)
@@ -116,7 +98,7 @@ static MLRT_NOINLINE uint32_t scale_packet(uint32_t lanes, float unit, float rea
     scaled->given = packet;
     for (int k = 0; k < 3 && packet->has.apex; ++k) rays->apex[k] = packet->apex[k] * unit;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vf time = v_load(scaled->scales.time + v), spare = v_set1(0x1p-126f);
+        const vf time = v_load(scaled->scales.time + v), spare = v_set1(MLRT_TIME_SPARE);
         for (int k = 0; k < 3; ++k) {
             v_store(rays->direction[k] + v,
                     v_mul(v_load(packet->direction[k] + v), v_load(scaled->scales.direction + v)));
@@ -210,18 +192,38 @@ static int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers,
     return hit != 0;
 }
 
+/* Sets lane 0 of a packet, before its search. */
+static void fill_lane(const float origin[3], const float direction[3], const struct mlrt_lone_ray *ray,
+                      struct mlrt_packet *packet)
+{
+    for (int k = 0; k < 3; ++k) {
+        packet->origin[k][0] = origin[k];
+        packet->direction[k][0] = direction[k];
+    }
+    packet->t_max[0] = ray->t_max;
+    packet->has.apex = 0;
+}
+
 /*
  * Fills in what begin_lone_search (one_ray.h) left out of packet and worker: what only the decisions below need. From
  * then on the ray is lane 0 of the packet, no longer worker->lone.
  */
 static void fill_lone_packet(struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    for (int k = 0; k < 3; ++k) {
-        packet->origin[k][0] = worker->lone->origin[k];
-        packet->direction[k][0] = worker->lone->direction[k];
+    const struct mlrt_lone_ray *ray = worker->lone;
+    fill_lane(ray->origin, ray->direction, ray, packet);
+    if (worker->scaled) {
+        struct mlrt_packet *given = worker->scaled->given;
+        fill_lane(ray->given_origin, ray->given_direction, ray, given);
+        given->t_min[0] = ray->t_min;
+        given->nearest.lo[0] = given->nearest.hi[0] = ray->t_max;
+        given->nearest.triangle[0] = MLRT_NONE;
+        given->skip[0] = packet->skip[0];
+        given->has.skip = packet->has.skip;
+        given->has.masks = 0;
+        worker->scaled->scales.time[0] = ray->powers.time;
+        worker->scaled->scales.inverse_time[0] = ray->powers.inverse_time;
     }
-    packet->t_max[0] = worker->lone->t_max;
-    packet->has.apex = 0;
     worker->known.plane_mask = 0;
     worker->known.planes->number = MLRT_NONE;
     worker->watch.progress = NULL;
