@@ -100,12 +100,12 @@ static MLRT_NOINLINE int32_t trace_skipping_ray(const mlrt_tree *tree, const mlr
     return kernels->trace_ray(tree, lone, hit);
 }
 
-/* Is this a call as most programs make it, for one ray through boxes whose unit is 1? A kd-tree has a unit of 0. */
+/* Is this a call as most programs make it, for one ray through boxes? A kd-tree has a unit of 0. */
 MLRT_INLINE int is_usual_call(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                               const mlrt_hit *hit)
 {
-    static const float one = 1; /* compared as bits, which takes fewer steps */
-    return tree && !memcmp(&tree->bvh.unit, &one, sizeof one) && ray && ray->struct_size == sizeof *ray && hit &&
+    static const float none = 0; /* compared as bits, which takes fewer steps */
+    return tree && memcmp(&tree->bvh.unit, &none, sizeof none) && ray && ray->struct_size == sizeof *ray && hit &&
            hit->struct_size == sizeof *hit && ray->flags <= MLRT_RAY_SKIP && mlrt_are_plain(options) &&
            (!options || mlrt_is_known_isa(options->isa));
 }
@@ -119,8 +119,8 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     int32_t status = MLRT_OK;
     if (MLRT_UNLIKELY(!is_usual_call(tree, ray, options, hit) || !mlrt_has_usual_fp_environment(&environment)))
         return trace_any_ray(tree, ray, options, hit);
-    const enum mlrt_lone_ray_kind kind = mlrt_take_lone_ray(&tree->bvh.whole, tree->bvh.reach, ray->origin,
-                                                            ray->direction, ray->t_min, mlrt_resolve_t_max(ray), &lone);
+    const enum mlrt_lone_ray_kind kind =
+        mlrt_take_lone_ray(&tree->bvh, ray->origin, ray->direction, ray->t_min, mlrt_resolve_t_max(ray), &lone);
     if (kind == MLRT_LONE_RAY_NOT_CARRIED) return trace_any_ray(tree, ray, options, hit);
     if (kind == MLRT_LONE_RAY_MISSES) {
         mlrt_set_miss(options ? options->query : 0, hit);

@@ -10,6 +10,7 @@
 #include "mlrt.h"
 #include "rays/lone_ray.h"
 #include "rays/packet.h"
+#include "scene/tree.h"
 #include "simd/quad.h"
 
 /* What is known of a ray before it is traced. */
@@ -22,8 +23,8 @@ enum mlrt_lone_ray_kind {
 #define LATEST_END 0x1p126f
 
 /*
- * Compares a ray with the box of all triangles, and sets the numbers of *ray if it may hit one; of the vectors as given
- * it sets nothing. A float that may be read must follow the box: it is loaded, and has no meaning.
+ * Compares a ray in units with the box of all triangles, and sets the numbers of *ray if it may hit one; of the vectors
+ * as given it sets nothing. A float that may be read must follow the box: it is loaded, and has no meaning.
  *
  * Along each axis the ray is between the planes of the box from t = near to far, each with three roundings, and 2^-149
  * where it underflows. If the ray meets the box, the true near is at most the true far, so as computed
@@ -34,12 +35,9 @@ enum mlrt_lone_ray_kind {
  * LATEST_END, and so passes boxes that never begin; one that begins later begins there, and so meets those that never
  * end: they may have hits even then.
  */
-MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const struct mlrt_box *box, float reach,
-                                                       const float given_origin[3], const float given_direction[3],
-                                                       float given_t_min, float t_max, struct mlrt_lone_ray *ray)
+MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_vectors(const struct mlrt_box *box, float reach, f4 origin, f4 direction,
+                                                      float given_t_min, float t_max, struct mlrt_lone_ray *ray)
 {
-    const f4 origin = f4_three(given_origin);
-    f4 direction = f4_three(given_direction);
     if (!f4_are_within(origin, direction, MLRT_SAFE_MIN, reach)) {
         if ((f4_zeros_or_within(origin, MLRT_SAFE_MIN, reach) &
              f4_zeros_or_within(direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) != 15) {
@@ -63,8 +61,26 @@ MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const struct mlrt_box *bo
     f4_store(ray->reciprocal, reciprocal);
     ray->t_min = t_min;
     ray->t_max = t_max;
-    ray->in_units = 0;
     return MLRT_LONE_RAY_MAY_HIT;
+}
+
+/* As mlrt_take_lone_ray, where the unit is not 1: brings the ray into units, if that takes no rounding. */
+enum mlrt_lone_ray_kind mlrt_take_ray_in_units(const struct mlrt_bvh *bvh, const float given_origin[3],
+                                               const float given_direction[3], float t_min, float t_max,
+                                               struct mlrt_lone_ray *ray);
+
+/* Sets the numbers of a ray, if it may hit a triangle. */
+MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const struct mlrt_bvh *bvh, const float given_origin[3],
+                                                       const float given_direction[3], float t_min, float t_max,
+                                                       struct mlrt_lone_ray *ray)
+{
+    static const float one = 1; /* compared as bits, which takes fewer steps */
+    if (MLRT_UNLIKELY(memcmp(&bvh->unit, &one, sizeof one) != 0)) {
+        return mlrt_take_ray_in_units(bvh, given_origin, given_direction, t_min, t_max, ray);
+    }
+    ray->in_units = 0;
+    return mlrt_take_vectors(&bvh->whole, bvh->reach, f4_three(given_origin), f4_three(given_direction), t_min, t_max,
+                             ray);
 }
 
 #endif

@@ -4,10 +4,7 @@
  */
 #include "run/lone_ray.h"
 
-#include <math.h>
-
 #include "base/host.h"
-#include "bvh/unit.h"
 #include "job/job.h"
 #include "job/structure.h"
 #include "rays/meet_scene.h"
@@ -25,39 +22,10 @@ void mlrt_trace_by_ray(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, m
     mlrt_set_result(tree, ray, number, hit);
 }
 
-/* Brings a ray into units without rounding, and says what is known of it. */
-static MLRT_NOINLINE enum mlrt_lone_ray_kind take_ray_in_units(const struct mlrt_bvh *bvh, struct mlrt_lone_ray *ray)
-{
-    const float t_min = ray->t_min < 0 ? 0 : ray->t_min, t_max = ray->t_max, inverse = 1 / bvh->unit;
-    const float *given_origin = ray->given_origin, *given_direction = ray->given_direction;
-    float origin[4] = {0}, direction[4] = {0}, greatest = 0, begin, end;
-    struct mlrt_ray_powers powers;
-    if (!(t_min < t_max)) return MLRT_LONE_RAY_MISSES;
-    for (int k = 0; k < 3; ++k) greatest = fmaxf(fabsf(given_direction[k]), greatest);
-    if (!mlrt_find_ray_powers(greatest, bvh->unit, &powers)) return MLRT_LONE_RAY_NOT_CARRIED;
-    for (int k = 0; k < 3; ++k) {
-        origin[k] = given_origin[k] * bvh->unit;
-        direction[k] = given_direction[k] * powers.direction;
-        if (origin[k] * inverse != given_origin[k] || (direction[k] == 0) != (given_direction[k] == 0))
-            return MLRT_LONE_RAY_NOT_CARRIED;
-    }
-    mlrt_scale_range(t_min, t_max, powers.time, &begin, &end);
-    if (begin > MLRT_BVH_FAR) return MLRT_LONE_RAY_NOT_CARRIED;
-    const enum mlrt_lone_ray_kind kind =
-        mlrt_take_lone_ray(&bvh->whole, bvh->reach, origin, direction, begin, end, ray);
-    ray->t_min = t_min;
-    ray->t_max = t_max;
-    ray->in_units = 1;
-    ray->powers = powers;
-    return kind;
-}
-
 /* Sets the numbers of a ray, and says what is known of it. */
 MLRT_INLINE enum mlrt_lone_ray_kind take_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray)
 {
-    if (MLRT_UNLIKELY(tree->bvh.unit != 1)) return take_ray_in_units(&tree->bvh, ray);
-    return mlrt_take_lone_ray(&tree->bvh.whole, tree->bvh.reach, ray->given_origin, ray->given_direction, ray->t_min,
-                              ray->t_max, ray);
+    return mlrt_take_lone_ray(&tree->bvh, ray->given_origin, ray->given_direction, ray->t_min, ray->t_max, ray);
 }
 
 /* Traces a ray that was taken. */
