@@ -126,7 +126,7 @@ struct mlrt_bvh_build {
         struct mlrt_bvh_bins *shares;      /* of each worker, if there are several: bins of its part of a set */
     } work;
 
-    struct mlrt_bvh_part *parts; /* of the result, measured */
+    struct mlrt_bvh_part *parts; /* of the result, measured (build.c) */
 
     /* The memory of all arrays but `boxes`. */
     struct {

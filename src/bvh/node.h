@@ -73,6 +73,15 @@ static inline uint32_t mlrt_bvh_offset(uint32_t child)
     return child >> 3;
 }
 
+/* The triangles of a leaf. */
+static inline uint32_t mlrt_bvh_leaf_count(const struct mlrt_bvh *bvh, uint32_t child)
+{
+    const uint32_t *numbers = bvh->numbers + 4 * (size_t)mlrt_bvh_offset(child);
+    uint32_t count = 0;
+    while (count < 4 * mlrt_bvh_quad_count(child) && numbers[count] != MLRT_NONE) count++;
+    return count;
+}
+
 /* ---- build.c --------------------------------------------------------------------------------------------------- */
 
 /*
@@ -122,34 +131,6 @@ void mlrt_read_by_places(struct mlrt_tree *tree);
 const char *mlrt_check_places(const struct mlrt_tree *tree);
 
 /* ---- check.c --------------------------------------------------------------------------------------------------- */
-
-/*
- * A finished hierarchy is measured in parts, each a share of the nodes and of the numbers in leaves. How many they are
- * does not depend on threads, so sums of doubles do not, either.
- */
-#define MLRT_BVH_PART_LIMIT 64
-
-struct mlrt_bvh_costs; /* set.h */
-
-struct mlrt_bvh_part {
-    double cost; /* sum of cost times area of the children of its nodes */
-    uint64_t leaf_count;
-    uint64_t reference_count;
-    uint64_t hash;
-};
-
-/* The number of parts, at most MLRT_BVH_PART_LIMIT. */
-uint32_t mlrt_count_parts(const struct mlrt_bvh *bvh);
-
-/* Measures a part. If the call is cancelled meanwhile, values may be wrong. */
-void mlrt_measure_part(const struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, uint32_t number,
-                       struct mlrt_progress *progress, struct mlrt_bvh_part *part);
-
-/*
- * Sets the members of tree->info that follow from the hierarchy and all its parts, except depth: the counts of nodes,
- * leaves and references, tree_hash, sah_cost (in units of costs->node), and the bounds.
- */
-void mlrt_join_parts(const struct mlrt_bvh_part *parts, const struct mlrt_bvh_costs *costs, struct mlrt_tree *tree);
 
 /*
  * Checks that tracing any ray through the hierarchy is safe: all invariants, but of B3 only that boxes lie within the
