@@ -47,22 +47,20 @@ static uint32_t build_subtree(struct mlrt_bvh_build *build, struct mlrt_portion 
     return end;
 }
 
-static double build_task(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
+static void build_task(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
 {
     (void)worker;
     build_subtree(build, build->work.tasks[item], &build->work.forests[item].costs);
-    return 0;
 }
 
-static double cut_item(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
+static void cut_item(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
 {
     struct mlrt_portion *portion = build->work.level[item];
     struct mlrt_portion *sides = &build->work.portions[build->work.portion_count + 2 * item];
     (void)worker;
-    if (build->work.shared == NULL && portion->set.count >= build->work.least_shared) return 0;
+    if (build->work.shared == NULL && portion->set.count >= build->work.least_shared) return;
     struct mlrt_binary_node *node = start_node(build, portion);
     if (mlrt_cut_portion(build, portion, sides)) node->upper = sides[1].node;
-    return 0;
 }
 
 /*

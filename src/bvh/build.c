@@ -51,25 +51,23 @@ static const struct mlrt_bvh_costs COSTS = {1, MLRT_TRIANGLE_COST};
 
 /* ---- steps --------------------------------------------------------------------------------------------------- */
 
-/* A step of the build for the workers of the pool: see mlrt_run_step. */
-struct step {
+/* A step of the build, for the workers of the pool. */
+struct work {
     struct mlrt_bvh_build *build;
-    double (*run)(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker);
+    mlrt_bvh_step *step;
 };
 
 static int32_t run_item(void *work, uint32_t item, uint32_t worker)
 {
-    const struct step *step = work;
-    double done;
-    MLRT_COMPUTE(done = step->run(step->build, item, worker));
-    return mlrt_advance(step->build->progress, done);
+    const struct work *own = work;
+    MLRT_COMPUTE(own->step(own->build, item, worker));
+    return mlrt_is_cancelled(own->build->progress);
 }
 
-int32_t mlrt_run_step(struct mlrt_bvh_build *build, uint32_t count,
-                      double (*run)(struct mlrt_bvh_build *, uint32_t, uint32_t))
+int32_t mlrt_run_step(struct mlrt_bvh_build *build, uint32_t count, mlrt_bvh_step *step)
 {
-    struct step step = {build, run};
-    return mlrt_run_items(build->pool, count, run_item, &step) ? MLRT_ERROR_CANCELLED : MLRT_OK;
+    struct work work = {build, step};
+    return mlrt_run_items(build->pool, count, run_item, &work) ? MLRT_ERROR_CANCELLED : MLRT_OK;
 }
 
 /* ---- memory -------------------------------------------------------------------------------------------------- */
@@ -176,7 +174,7 @@ static void measure_node(const struct mlrt_bvh_build *build, const struct mlrt_b
     }
 }
 
-static double measure_part(struct mlrt_bvh_build *build, uint32_t number, uint32_t worker)
+static void measure_part(struct mlrt_bvh_build *build, uint32_t number, uint32_t worker)
 {
     const struct mlrt_bvh *bvh = &build->tree->bvh;
     struct mlrt_bvh_part *part = &build->parts[number];
@@ -188,7 +186,7 @@ static double measure_part(struct mlrt_bvh_build *build, uint32_t number, uint32
     (void)worker;
     mlrt_start_hash(&hash);
     for (size_t i = part_start(bvh->node_count, parts, number); i < last_node; i++) {
-        if (i % NODE_ROUNDS == 0 && mlrt_is_cancelled(build->progress)) return 0;
+        if (i % NODE_ROUNDS == 0 && mlrt_is_cancelled(build->progress)) return;
         mlrt_add_words(&hash, &bvh->nodes[i], sizeof bvh->nodes[i] / 4);
         measure_node(build, &bvh->nodes[i], part);
     }
@@ -196,7 +194,6 @@ static double measure_part(struct mlrt_bvh_build *build, uint32_t number, uint32
          i += WORD_ROUNDS)
         mlrt_add_words(&hash, bvh->numbers + i, last_word - i < WORD_ROUNDS ? last_word - i : WORD_ROUNDS);
     part->hash = mlrt_finish_hash(&hash);
-    return 0;
 }
 
 /* Sets the members of tree->info that follow from the hierarchy, except depth. Returns a status. */

@@ -135,12 +135,11 @@ struct mlrt_bvh_build {
     } block;
 };
 
-/*
- * Runs `count` items of a step on the pool, in the library's floating-point environment. `run` returns work that
- * progress has not counted. Returns a status.
- */
-int32_t mlrt_run_step(struct mlrt_bvh_build *build, uint32_t count,
-                      double (*run)(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker));
+/* A step of the build: one of its items. */
+typedef void mlrt_bvh_step(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker);
+
+/* Runs `count` items on the pool, in the library's floating-point environment. Returns a status. */
+int32_t mlrt_run_step(struct mlrt_bvh_build *build, uint32_t count, mlrt_bvh_step *step);
 
 /* ---- references.c ---------------------------------------------------------------------------------------------- */
 

@@ -21,12 +21,11 @@ static void fill_part(const struct mlrt_bvh_build *build, const struct mlrt_bvh_
         mlrt_fill_bins(build->references.boxes, first, count, &set->centres, build->progress, bins);
 }
 
-static double fill_share(struct mlrt_bvh_build *build, uint32_t chunk, uint32_t worker)
+static void fill_share(struct mlrt_bvh_build *build, uint32_t chunk, uint32_t worker)
 {
     const struct mlrt_bvh_set *set = &build->work.shared->set;
     fill_part(build, set, set->first + chunk * MLRT_CHUNK_SIZE, mlrt_item_size(set->count, MLRT_CHUNK_SIZE, chunk),
               &build->work.shares[worker]);
-    return 0;
 }
 
 /* Fills bins with the references of a portion. If the call is cancelled, not with all. */

@@ -31,7 +31,7 @@ MLRT_INLINE struct mlrt_quad_box reference_of(const struct mlrt_triangle *triang
 }
 
 /* Makes a reference for each triangle of a chunk that is not left out, from the place of the chunk's first triangle. */
-static double make_chunk_references(struct mlrt_bvh_build *build, uint32_t number, uint32_t worker)
+static void make_chunk_references(struct mlrt_bvh_build *build, uint32_t number, uint32_t worker)
 {
     struct mlrt_chunk *chunk = &build->references.chunks[number];
     const uint32_t first = number * MLRT_CHUNK_SIZE;
@@ -51,11 +51,10 @@ static double make_chunk_references(struct mlrt_bvh_build *build, uint32_t numbe
     chunk->set = set;
     memcpy(chunk->bounds.lo, set.box.lo.x, sizeof chunk->bounds.lo);
     memcpy(chunk->bounds.hi, set.box.hi.x, sizeof chunk->bounds.hi);
-    if (unit == 1 && mlrt_is_within(chunk->bounds.lo, chunk->bounds.hi, MLRT_BVH_FAR))
-        return MLRT_CHUNK_SIZE * MLRT_FIRST_WORK;
+    mlrt_advance(build->progress, MLRT_CHUNK_SIZE * MLRT_FIRST_WORK);
+    if (unit == 1 && mlrt_is_within(chunk->bounds.lo, chunk->bounds.hi, MLRT_BVH_FAR)) return;
     for (uint32_t i = 0; i < set.count; i++) scale_reference(unit, &references[i]);
     chunk->set = mlrt_measure_set(build->references.boxes, first, set.count, build->progress);
-    return MLRT_CHUNK_SIZE * MLRT_FIRST_WORK;
 }
 
 int32_t mlrt_make_references(struct mlrt_bvh_build *build)

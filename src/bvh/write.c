@@ -193,14 +193,13 @@ static void write_forest(struct mlrt_bvh_build *build, const struct mlrt_forest 
     write_slots(build, forest->node, forest->slots, &none, cursor);
 }
 
-static double measure_task(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
+static void measure_task(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
 {
     struct mlrt_forest *forest = &build->work.forests[item];
     struct mlrt_bvh_cursor cursor = {.size = {.depth = forest->from.depth}, .depth = forest->from.depth};
     (void)worker;
     write_forest(build, forest, &cursor);
     forest->size = cursor.size;
-    return 0;
 }
 
 static struct mlrt_bvh_size measure_all(struct mlrt_bvh_build *build)
@@ -213,12 +212,12 @@ static struct mlrt_bvh_size measure_all(struct mlrt_bvh_build *build)
     return size;
 }
 
-static double write_task(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
+static void write_task(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
 {
     struct mlrt_forest *forest = &build->work.forests[item];
     (void)worker;
     write_forest(build, forest, &forest->from);
-    return MLRT_LAST_WORK * build->work.tasks[item]->set.count;
+    mlrt_advance(build->progress, MLRT_LAST_WORK * build->work.tasks[item]->set.count);
 }
 
 /*
@@ -249,13 +248,12 @@ void mlrt_free_bvh(struct mlrt_tree *tree)
 }
 
 /* Marks the places of a chunk of triangles as those of triangles in no leaf. Leaves write the places of theirs. */
-static double clear_places(struct mlrt_bvh_build *build, uint32_t chunk, uint32_t worker)
+static void clear_places(struct mlrt_bvh_build *build, uint32_t chunk, uint32_t worker)
 {
     const uint32_t count = mlrt_item_size(build->tree->triangle_count, MLRT_CHUNK_SIZE, chunk);
     uint32_t *places = build->tree->bvh.places + (size_t)chunk * MLRT_CHUNK_SIZE;
     (void)worker;
     memset(places, 0xFF, count * sizeof *places);
-    return 0;
 }
 
 static int32_t allocate_result(struct mlrt_bvh_build *build, const struct mlrt_bvh_size *size)
