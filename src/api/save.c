@@ -347,7 +347,7 @@ static int take_sections(const struct header *header, const unsigned char *data,
         memcpy(copy, from, size);
         set_array(tree, kind, copy);
     }
-    mlrt_read_in_order(tree);
+    mlrt_find_triangles(tree);
     return 1;
 }
 

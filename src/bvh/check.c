@@ -7,6 +7,17 @@
 
 #include "bvh/unit.h"
 
+const char *mlrt_check_places(const struct mlrt_tree *tree)
+{
+    for (uint32_t i = 0; tree->bvh.places != NULL && i < tree->triangle_count; i++) {
+        const uint32_t packed = tree->bvh.places[i], quad_count = mlrt_quad_count_of(packed);
+        if (mlrt_first_quad_of(packed) + quad_count > tree->bvh.quad_count ||
+            mlrt_place_in_leaf(packed) >= 4 * quad_count)
+            return "P1: a place is in no quad";
+    }
+    return NULL;
+}
+
 static int has_no_corners(const float *corners, uint32_t row)
 {
     for (uint32_t i = 0; i < 9; i++)

@@ -107,30 +107,13 @@ struct mlrt_demand mlrt_foresee_bvh(const void *tree_options, uint32_t triangle_
 /* Frees the hierarchy of mlrt_build_bvh. tree->bvh is empty then. */
 void mlrt_free_bvh(struct mlrt_tree *tree);
 
-/* ---- places.c -------------------------------------------------------------------------------------------------- */
-
-/* How many quads have to be behind those of leaves. tree->info must have the counts of triangles left out. */
-uint32_t mlrt_count_given_quads(const struct mlrt_tree *tree);
+/* ---- check.c --------------------------------------------------------------------------------------------------- */
 
 /*
- * Writes the quads behind leaves, and the places of their triangles: of those that have MLRT_NONE, which is no place.
- * The others have theirs from leaves.
- */
-void mlrt_write_given(struct mlrt_tree *tree);
-
-/* If a tree has places, frees its array of triangles in order, so that they are read by their places. */
-void mlrt_drop_order(struct mlrt_tree *tree);
-
-/* Lets tree->by_number read triangles by their places. */
-void mlrt_read_by_places(struct mlrt_tree *tree);
-
-/*
- * Checks that places are within the quads: then mlrt_triangle_at may be called. Returns NULL or the error, a static
- * string.
+ * Checks that places, if there are any, are within the quads: then mlrt_triangle_at may be called. Returns NULL or the
+ * error, a static string.
  */
 const char *mlrt_check_places(const struct mlrt_tree *tree);
-
-/* ---- check.c --------------------------------------------------------------------------------------------------- */
 
 /*
  * Checks that tracing any ray through the hierarchy is safe: all invariants, but of B3 only that boxes lie within the

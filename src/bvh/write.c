@@ -235,6 +235,39 @@ static int32_t write_all(struct mlrt_bvh_build *build)
     return mlrt_run_step(build, build->work.task_count, write_task);
 }
 
+/* ---- triangles that no leaf has as they were given -------------------------------------------------------------- */
+
+/* How many quads have to be behind those of leaves. */
+static uint32_t count_given_quads(const struct mlrt_tree *tree)
+{
+    uint32_t count = (uint32_t)(tree->info.non_finite_count + tree->info.zero_area_count);
+    const uint32_t doubtful_count = tree->bvh.is_usual ? 0 : tree->triangle_count;
+    for (uint32_t i = 0; i < doubtful_count; i++)
+        count += (uint32_t)(mlrt_is_odd(tree, i) && !mlrt_is_left_out(tree, i));
+    return (count + 3) / 4;
+}
+
+/*
+ * Writes the quads behind leaves, and the places of their triangles: of those that have MLRT_NONE, which is no place.
+ * The others have theirs from leaves.
+ */
+static void write_given(struct mlrt_tree *tree)
+{
+    struct mlrt_bvh *bvh = &tree->bvh;
+    uint32_t number = 0;
+    for (size_t place = 4 * (size_t)bvh->leaf_quad_count; place < 4 * (size_t)bvh->quad_count; place++) {
+        const struct mlrt_triangle *triangle = NULL;
+        bvh->numbers[place] = MLRT_NONE;
+        while (number < tree->triangle_count && bvh->places[number] != MLRT_NONE) number++;
+        if (number < tree->triangle_count) {
+            triangle = &tree->triangles[number];
+            bvh->numbers[place] = number;
+            bvh->places[number] = mlrt_pack_place((uint32_t)(place / 4), 1, place % 4);
+        }
+        write_corners(triangle, 4, bvh->corners + 36 * (place / 4) + place % 4);
+    }
+}
+
 /* ---- arrays -------------------------------------------------------------------------------------------------- */
 
 void mlrt_free_bvh(struct mlrt_tree *tree)
@@ -265,7 +298,7 @@ static int32_t allocate_result(struct mlrt_bvh_build *build, const struct mlrt_b
                          "meshes: the tree would have more than %lu nodes, or %lu quads of triangles",
                          (unsigned long)MLRT_BVH_NODE_LIMIT, (unsigned long)QUAD_LIMIT);
     }
-    const uint64_t quad_count = size->quad_count + mlrt_count_given_quads(tree);
+    const uint64_t quad_count = size->quad_count + count_given_quads(tree);
     const int has_places = tree->triangle_count > 0 && quad_count < MLRT_PLACE_QUADS;
     bvh->node_count = (uint32_t)size->node_count;
     bvh->leaf_quad_count = (uint32_t)size->quad_count;
@@ -295,7 +328,7 @@ int32_t mlrt_write_hierarchy(struct mlrt_bvh_build *build)
     int32_t status = allocate_result(build, &size);
     if (status == MLRT_OK && has_leaves) status = write_all(build);
     if (status != MLRT_OK) return status;
-    mlrt_write_given(build->tree);
+    write_given(build->tree);
     build->tree->info.depth = size.depth;
     return MLRT_OK;
 }

@@ -217,7 +217,7 @@ static int allocate_tables(struct mlrt_tree *tree)
     tree->meshes.by_id = mlrt_allocate(&tree->memory, tree->meshes.count, sizeof *tree->meshes.by_id);
     tree->meshes.first = mlrt_allocate(&tree->memory, (size_t)tree->meshes.count + 1, sizeof *tree->meshes.first);
     tree->triangles = mlrt_allocate(&tree->memory, tree->triangle_count, sizeof *tree->triangles);
-    mlrt_read_in_order(tree);
+    mlrt_find_triangles(tree);
     return tree->meshes.ids && tree->meshes.by_id && tree->meshes.first && tree->triangles;
 }
 
