@@ -114,7 +114,7 @@ static int is_given(const struct mlrt_field *field, const void *arrays)
 
 static MLRT_NOINLINE int32_t fail_query(const mlrt_hits *hits, int any)
 {
-    const struct mlrt_field *field = &mlrt_rules.results.hits[any ? 1 : 7];
+    const struct mlrt_field *field = mlrt_rules_of(MLRT_STRUCT_HITS) + (any ? 1 : 7);
     while (!is_given(field, hits)) ++field;
     return mlrt_fail(MLRT_ERROR_ARGUMENT,
                      any ? "options.query: ANY writes only `occluded`, but `%s` was given"
@@ -136,7 +136,7 @@ int32_t mlrt_check_hits(const char *path, const mlrt_hits *hits, const mlrt_trac
 
 int32_t mlrt_check_lists(const mlrt_hit_lists *lists, int may_be_empty)
 {
-    const struct mlrt_field *field = mlrt_rules.results.hit_lists;
+    const struct mlrt_field *field = mlrt_rules_of(MLRT_STRUCT_HIT_LISTS);
     for (int i = 0; i < 9; ++i, ++field) {
         if (!is_given(field, lists)) continue;
         may_be_empty = 1;
