@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The builder of the hierarchy of boxes. references.c makes a box for each triangle. binary.c cuts sets of these
- * references in two, again and again: the result is a binary hierarchy. cut.c cuts a set, within the limits of
- * budgets.c, where split.c or spatial_split.c say. collapse.c chooses which of its nodes become nodes of sixteen, and
- * write.c writes these in depth-first order. Here are the settings of a build, its memory, and its steps.
+ * references in two, again and again: the result is a binary hierarchy. cut.c cuts a set, within its limits, where
+ * split.c or spatial_split.c say. collapse.c chooses which binary nodes become nodes of sixteen, and write.c writes
+ * these in depth-first order. Here are the settings of a build, its memory, its steps, and its report.
  *
  * The result does not depend on the number of threads: a set is split according to its references and its shares of
  * depth, leaves and spare places alone, every part has its place in the arrays before it is built, and the bins of

@@ -149,15 +149,6 @@ int32_t mlrt_run_step(struct mlrt_bvh_build *build, uint32_t count, mlrt_bvh_ste
  */
 int32_t mlrt_make_references(struct mlrt_bvh_build *build);
 
-/* ---- budgets.c ------------------------------------------------------------------------------------------------- */
-
-/* 1 if sides of `lower` and `upper` references stay within the portion's budget and the depth limit. */
-int mlrt_may_split(const struct mlrt_portion *portion, uint32_t lower, uint32_t upper);
-
-/* Sets the sides of a portion: their sets, and their shares of its budget and its spare places. */
-void mlrt_share_out(const struct mlrt_bvh_build *build, const struct mlrt_portion *portion,
-                    const struct mlrt_bvh_set sets[2], struct mlrt_portion sides[2]);
-
 /* ---- cut.c ----------------------------------------------------------------------------------------------------- */
 
 /* Cuts a portion in two and returns 1. Returns 0 if the portion becomes a leaf, or the call is cancelled. */

@@ -310,14 +310,6 @@ static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_s
 
 /* ---- all ---------------------------------------------------------------------------------------------------- */
 
-void mlrt_halve_set(const struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
-                    struct mlrt_progress *progress, struct mlrt_bvh_set sides[2])
-{
-    const uint32_t half = set->count / 2;
-    sides[0] = mlrt_measure_set(references, set->first, half, progress);
-    sides[1] = mlrt_measure_set(references, set->first + half, set->count - half, progress);
-}
-
 void mlrt_apply_bvh_split(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
                           const struct mlrt_bvh_split *split, struct mlrt_progress *progress,
                           struct mlrt_bvh_set sides[2])

@@ -79,10 +79,6 @@ void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum
 void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins,
                        const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split);
 
-/* Sets `sides` to the halves of a set, as its references lie. If the call is cancelled, their boxes are unfinished. */
-void mlrt_halve_set(const struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
-                    struct mlrt_progress *progress, struct mlrt_bvh_set sides[2]);
-
 /*
  * Orders the references of a set by sides, lower ones first, and sets `sides`; by rank or by bin. If the call is
  * cancelled meanwhile, the set still has the same references, in any order.
