@@ -5,7 +5,6 @@
 
 #include "base/progress.h"
 #include "base/scheduler.h"
-#include "bvh/collapse.h"
 #include "bvh/node.h"
 #include "bvh/split.h"
 
@@ -33,6 +32,31 @@ struct mlrt_bvh_preset {
     float overlap_limit;   /* spatial splits are tried where sides overlap by more than this part of the scene's area */
     uint32_t spatial_size; /* and in sets of more references than this; at least MLRT_BVH_LEAF_LIMIT */
     uint32_t failure_limit; /* and not below sets in which they were tried in vain more than so many times on end */
+};
+
+/*
+ * A node of the binary hierarchy. Its lower child is the next one in the array.
+ *
+ * `choice` is the cheapest way to make the node at most i slots (children) of a node above. choice[i], 2 <= i <= 15:
+ * how many of the i slots the lower child gets, and the upper child the others; 0 = as for i - 1 slots. choice[1]:
+ * 0 = one slot is a leaf, 1 = it is a node. choice[0]: how many of that node's sixteen slots the lower child gets.
+ */
+struct mlrt_binary_node {
+    float lo[3];
+    float hi[3];
+    uint32_t first; /* its references: `count` of them from this one on */
+    uint32_t count;
+    uint32_t upper; /* the upper child; 0 = the node has no children */
+    uint8_t choice[MLRT_BVH_WIDTH];
+};
+
+/*
+ * cost[i], 1 <= i <= slot_count: the least cost, times area, of a binary node and all below it as at most i slots. More
+ * slots would be of no use, or there are no more.
+ */
+struct mlrt_forest_costs {
+    float cost[MLRT_BVH_WIDTH];
+    int slot_count;
 };
 
 /* A set to be cut, the number of its binary node, and its limits. */

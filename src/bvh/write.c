@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Writes the hierarchy of boxes that was chosen from the binary one (collapse.h): how large it is, its arrays, its
+ * Writes the hierarchy of boxes that was chosen from the binary one (build.h): how large it is, its arrays, its
  * leaves and nodes in depth-first order. The parts below the tasks are written by one worker each.
  */
 #include "bvh/build.h"
