@@ -82,7 +82,7 @@ static void fill_part(const struct mlrt_bvh_build *build, const struct mlrt_bvh_
         mlrt_fill_slabs(build->tree->triangles, build->tree->bvh.unit, build->references.boxes, first, count, &set->box,
                         build->progress, bins);
     else
-        mlrt_fill_bins(build->references.boxes, first, count, &set->centres, build->progress, bins);
+        mlrt_fill_bins(build, first, count, &set->centres, bins);
 }
 
 static void fill_share(struct mlrt_bvh_build *build, uint32_t chunk, uint32_t worker)
@@ -115,11 +115,11 @@ static MLRT_NOINLINE void find_split(struct mlrt_bvh_build *build, const struct 
     struct mlrt_bvh_bins bins;
     if (kind != MLRT_SPLIT_BY_RANK) fill(build, portion, kind, &bins);
     if (kind == MLRT_SPLIT_BY_RANK)
-        mlrt_sweep_set(&build->costs, build->references.boxes, &portion->set, split);
+        mlrt_sweep_set(build, &portion->set, split);
     else if (kind == MLRT_SPLIT_BY_BIN)
-        mlrt_choose_split(&build->costs, &bins, &portion->set, split);
+        mlrt_choose_split(build, &bins, &portion->set, split);
     else
-        mlrt_choose_plane(&build->costs, &bins, portion->set.count, portion->spare, split);
+        mlrt_choose_plane(build, &bins, portion->set.count, portion->spare, split);
     if (split->cost < HUGE_VAL && !may_split(portion, split->count[0], split->count[1])) split->cost = HUGE_VAL;
 }
 
@@ -185,10 +185,9 @@ static void move_set(const struct mlrt_bvh_build *build, struct mlrt_bvh_set *se
 /* Sets `sides` to the halves of a set, as its references lie. If the call is cancelled, their boxes are unfinished. */
 static void halve_set(const struct mlrt_bvh_build *build, const struct mlrt_bvh_set *set, struct mlrt_bvh_set sides[2])
 {
-    const struct mlrt_quad_box *references = build->references.boxes;
     const uint32_t half = set->count / 2;
-    sides[0] = mlrt_measure_set(references, set->first, half, build->progress);
-    sides[1] = mlrt_measure_set(references, set->first + half, set->count - half, build->progress);
+    sides[0] = mlrt_measure_set(build, set->first, half);
+    sides[1] = mlrt_measure_set(build, set->first + half, set->count - half);
 }
 
 /*
@@ -202,10 +201,9 @@ static int apply(struct mlrt_bvh_build *build, const struct mlrt_portion *portio
     if (split->cost == HUGE_VAL)
         halve_set(build, &portion->set, sets);
     else if (split->kind == MLRT_SPLIT_BY_PLANE)
-        mlrt_apply_spatial_split(build->tree->triangles, build->tree->bvh.unit, build->references.boxes, &portion->set,
-                                 split, build->progress, sets);
+        mlrt_apply_spatial_split(build, &portion->set, split, sets);
     else
-        mlrt_apply_bvh_split(build->references.boxes, &portion->set, split, build->progress, sets);
+        mlrt_apply_bvh_split(build, &portion->set, split, sets);
     if (mlrt_is_cancelled(build->progress)) return 0;
     if (sets[0].count == 0 || sets[1].count == 0) {
         const struct mlrt_bvh_set whole = sets[sets[0].count == 0];

@@ -54,7 +54,7 @@ static void make_chunk_references(struct mlrt_bvh_build *build, uint32_t number,
     mlrt_advance(build->progress, MLRT_CHUNK_SIZE * MLRT_FIRST_WORK);
     if (unit == 1 && mlrt_is_within(chunk->bounds.lo, chunk->bounds.hi, MLRT_BVH_FAR)) return;
     for (uint32_t i = 0; i < set.count; i++) scale_reference(unit, &references[i]);
-    chunk->set = mlrt_measure_set(build->references.boxes, first, set.count, build->progress);
+    chunk->set = mlrt_measure_set(build, first, set.count);
 }
 
 int32_t mlrt_make_references(struct mlrt_bvh_build *build)

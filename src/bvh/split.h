@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where to cut a set of references in two: the surface area heuristic over their centres. The functions have no state:
- * their results depend on the references of one set alone.
+ * Where to cut a set of references in two: the surface area heuristic over their centres. The results depend on the
+ * references of one set alone.
  *
  * Based on: Ingo Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007 (bins of centres). Jeffrey
  * Goldsmith, John Salmon, "Automatic Creation of Object Hierarchies for Ray Tracing", 1987 (the heuristic).
@@ -12,6 +12,9 @@
 #include "base/progress.h"
 #include "bvh/set.h"
 #include "exact/triangle.h"
+
+/* build.h */
+struct mlrt_bvh_build;
 
 /* Sets of up to so many references are split at the best of all places. In larger sets bins are as good and faster. */
 #define MLRT_SWEEP_LIMIT 32
@@ -52,12 +55,10 @@ struct mlrt_bvh_split {
 };
 
 /* The set of `count` references from `first` on, at least one. If the call is cancelled, its boxes are unfinished. */
-struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
-                                     struct mlrt_progress *progress);
+struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_bvh_build *build, uint32_t first, uint32_t count);
 
 /* Sets *split to the cheapest split of a set of 2 to MLRT_SWEEP_LIMIT references. */
-void mlrt_sweep_set(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_box *references,
-                    const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split);
+void mlrt_sweep_set(const struct mlrt_bvh_build *build, const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split);
 
 /* The bins of coordinates, or centres, that lie in a box. */
 struct mlrt_binning mlrt_cut_bins(const struct mlrt_quad_box *box, uint32_t bin_count);
@@ -69,23 +70,22 @@ void mlrt_clear_bins(enum mlrt_split_kind kind, uint32_t count, struct mlrt_bvh_
  * Adds `count` references, from `first` on, to bins of a set whose centres lie in the box `centres`. If the call is
  * cancelled, not all of them.
  */
-void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
-                    const struct mlrt_quad_box *centres, struct mlrt_progress *progress, struct mlrt_bvh_bins *bins);
+void mlrt_fill_bins(const struct mlrt_bvh_build *build, uint32_t first, uint32_t count,
+                    const struct mlrt_quad_box *centres, struct mlrt_bvh_bins *bins);
 
 /* Adds bins to *sum: then it is as if the references of both had been added to it. */
 void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum);
 
 /* Sets *split to the cheapest split of a set between its bins, BY_BIN. */
-void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins,
+void mlrt_choose_split(const struct mlrt_bvh_build *build, const struct mlrt_bvh_bins *bins,
                        const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split);
 
 /*
  * Orders the references of a set by sides, lower ones first, and sets `sides`; by rank or by bin. If the call is
  * cancelled meanwhile, the set still has the same references, in any order.
  */
-void mlrt_apply_bvh_split(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
-                          const struct mlrt_bvh_split *split, struct mlrt_progress *progress,
-                          struct mlrt_bvh_set sides[2]);
+void mlrt_apply_bvh_split(const struct mlrt_bvh_build *build, const struct mlrt_bvh_set *set,
+                          const struct mlrt_bvh_split *split, struct mlrt_bvh_set sides[2]);
 
 /* ---- spatial_split.c: planes that cut references -------------------------------------------------------------- */
 
@@ -98,7 +98,7 @@ void mlrt_fill_slabs(const struct mlrt_triangle *triangles, float unit, const st
                      struct mlrt_bvh_bins *bins);
 
 /* Sets *split to the cheapest plane between such bins that has at most `spare` references on both sides. */
-void mlrt_choose_plane(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t count,
+void mlrt_choose_plane(const struct mlrt_bvh_build *build, const struct mlrt_bvh_bins *bins, uint32_t count,
                        uint32_t spare, struct mlrt_bvh_split *split);
 
 /*
@@ -107,8 +107,7 @@ void mlrt_choose_plane(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
  * the lower one, possibly with a gap; one side can be empty. If the call is cancelled meanwhile, the references are
  * undefined.
  */
-void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit, struct mlrt_quad_box *references,
-                              const struct mlrt_bvh_set *set, const struct mlrt_bvh_split *split,
-                              struct mlrt_progress *progress, struct mlrt_bvh_set sides[2]);
+void mlrt_apply_spatial_split(const struct mlrt_bvh_build *build, const struct mlrt_bvh_set *set,
+                              const struct mlrt_bvh_split *split, struct mlrt_bvh_set sides[2]);
 
 #endif
