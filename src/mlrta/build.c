@@ -42,7 +42,7 @@ static int build_part(struct mlrt_kdtree_part *part)
     part->built.node_count = 1;
     if (!mlrt_make_room(build, &part->built.nodes, part->cell.count / 2 + 1, sizeof(struct mlrt_node)) ||
         !mlrt_make_room(build, &part->built.entries, part->cell.count + 1, sizeof(uint32_t)) ||
-        !mlrt_build_cell(part, &part->cell, &part->built.cost))
+        !mlrt_build_cell(part, &part->cell))
         return 0;
     mlrt_release_room(build, &part->built.references, sizeof(struct mlrt_reference));
     return 1;
@@ -159,9 +159,8 @@ static int join_parts(struct mlrt_kdtree_part *whole, struct mlrt_kdtree_part *p
     const uint32_t offset = whole->built.entry_count;
     if (!mlrt_add_children(whole, part->cell.node, &part->split, &lower->cell.node)) return 0;
     upper->cell.node = lower->cell.node + 1;
-    if (!join_parts(whole, lower) || !join_parts(whole, upper)) return 0;
-    const double costs[2] = {lower->built.cost, upper->built.cost};
-    return mlrt_close_cell(whole, &part->cell, &lower->cell, &upper->cell, costs, offset, &part->built.cost);
+    return join_parts(whole, lower) && join_parts(whole, upper) &&
+           mlrt_close_cell(whole, &part->cell, &lower->cell, &upper->cell, offset);
 }
 
 /* Makes a reference for each triangle that can be hit and returns their number. Counts the other triangles. */

@@ -23,18 +23,16 @@ int mlrt_add_children(struct mlrt_kdtree_part *part, uint32_t node, const struct
                       uint32_t *first_child);
 
 /*
- * Ends the subtree of a cell, whose sides are built at these costs: if it does not pay, one leaf replaces it. Its
- * entries are those from `offset` on. *cost receives the expected cost of a ray through the cell. Returns 0 if there is
- * no memory.
+ * Ends the subtree of a cell, whose sides are built: sets its cost, and if it does not pay, one leaf replaces it. Its
+ * entries are those from `offset` on. Returns 0 if there is no memory.
  */
-int mlrt_close_cell(struct mlrt_kdtree_part *part, const struct mlrt_kdtree_cell *cell,
-                    const struct mlrt_kdtree_cell *below, const struct mlrt_kdtree_cell *above, const double costs[2],
-                    uint32_t offset, double *cost);
+int mlrt_close_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell, const struct mlrt_kdtree_cell *below,
+                    const struct mlrt_kdtree_cell *above, uint32_t offset);
 
 /*
- * Builds the subtree of a cell and overwrites its references. *cost receives the expected cost of a ray through the
- * cell. Returns 0 if there is no memory, or the call is cancelled.
+ * Builds the subtree of a cell, sets its cost, and overwrites its references. Returns 0 if there is no memory, or the
+ * call is cancelled.
  */
-int mlrt_build_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell, double *cost);
+int mlrt_build_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell);
 
 #endif

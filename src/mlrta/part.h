@@ -47,6 +47,7 @@ struct mlrt_kdtree_cell {
     size_t count;
     uint64_t reference_limit; /* entries that the leaves of this cell may have in all; at least `count` */
     double work;              /* its share of the progress of the build */
+    double cost;              /* expected for a ray through it: set when its subtree is built */
 };
 
 /* A subtree that one worker builds. */
@@ -58,7 +59,6 @@ struct mlrt_kdtree_subtree {
     uint32_t node_limit;
     uint32_t entry_count;
     uint64_t retracted_count;
-    double cost;
 };
 
 /* A part of the tree: a cell that is cut in two, or a subtree. All 0 = not used. */
