@@ -80,13 +80,14 @@ static int32_t run_part(void *work, uint32_t item, uint32_t worker)
 {
     struct mlrt_kdtree_build *build = work;
     struct mlrt_kdtree_part *part = mlrt_part_at(build, build->parts.first + item);
+    (void)worker;
     if (part->build == NULL) return 0;
     mlrt_fp_environment environment;
     mlrt_enter_fp_environment(&environment);
     const double share = (double)part->cell.reference_limit / (double)mlrt_part_at(build, 0)->cell.reference_limit;
     part->built.node_limit = (uint32_t)(PART_NODE_LIMIT * share);
-    part->scratch = (struct mlrt_growing_array *)build->scratch.elements + worker;
     const int done = part->lower != 0 ? cut_part(part) : build_part(part);
+    mlrt_release_room(build, &part->built.scratch, sizeof(double));
     mlrt_leave_fp_environment(&environment);
     return done ? 0 : MLRT_ERROR_OUT_OF_MEMORY;
 }
@@ -120,6 +121,7 @@ static void release_part(struct mlrt_kdtree_build *build, struct mlrt_kdtree_par
     mlrt_release_room(build, &part->built.references, sizeof(struct mlrt_reference));
     mlrt_release_room(build, &part->built.nodes, sizeof(struct mlrt_node));
     mlrt_release_room(build, &part->built.entries, sizeof(uint32_t));
+    mlrt_release_room(build, &part->built.scratch, sizeof(double));
 }
 
 /*
@@ -204,9 +206,6 @@ static void make_safe(struct mlrt_kdtree_part *root)
 /* Makes part 0, whose root is the whole scene. Returns 0 if there is no memory, or the call is cancelled. */
 static int make_root(struct mlrt_kdtree_build *build, struct mlrt_tree *tree)
 {
-    const uint32_t worker_count = mlrt_worker_count(build->settings.pool);
-    if (!mlrt_set_room(build, &build->scratch, worker_count, sizeof(struct mlrt_growing_array))) return 0;
-    memset(build->scratch.elements, 0, worker_count * sizeof(struct mlrt_growing_array));
     if (!mlrt_set_room(build, &build->parts.all, 1, sizeof(struct mlrt_kdtree_part))) return 0;
     struct mlrt_kdtree_part *root = mlrt_part_at(build, 0);
     memset(root, 0, sizeof *root);
@@ -223,14 +222,13 @@ static int make_root(struct mlrt_kdtree_build *build, struct mlrt_tree *tree)
     tree->bounds = cell->box;
     make_safe(root);
     build->scene_area = mlrt_half_area(&cell->box);
-    return !mlrt_is_cancelled_at(root, cell);
+    return !mlrt_is_cancelled(build->progress);
 }
 
 /* Joins the parts. Returns 0 if there is no memory. */
 static int join_all(struct mlrt_kdtree_build *build)
 {
     struct mlrt_kdtree_part *whole = mlrt_part_at(build, 0);
-    whole->scratch = build->scratch.elements;
     if (whole->lower != 0) {
         whole->built.node_count = 1;
         if (!mlrt_make_room(build, &whole->built.nodes, 1, sizeof(struct mlrt_node))) return 0;
@@ -243,10 +241,7 @@ static int join_all(struct mlrt_kdtree_build *build)
 static void release_all(struct mlrt_kdtree_build *build)
 {
     for (uint32_t i = 0; i < build->parts.count; i++) release_part(build, mlrt_part_at(build, i));
-    for (size_t i = 0; i < build->scratch.capacity; i++)
-        mlrt_release_room(build, (struct mlrt_growing_array *)build->scratch.elements + i, sizeof(double));
     mlrt_release_room(build, &build->parts.all, sizeof(struct mlrt_kdtree_part));
-    mlrt_release_room(build, &build->scratch, sizeof(struct mlrt_growing_array));
 }
 
 static void take_result(struct mlrt_kdtree_part *whole, struct mlrt_tree *tree)

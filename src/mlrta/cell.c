@@ -36,9 +36,10 @@
  * Room for planes of `count` references: for as many areas, with 2 * count keys behind them, or for 3 * count keys in
  * place of both. NULL if there is no memory.
  */
-static double *find_scratch(const struct mlrt_kdtree_part *part, size_t count)
+static double *find_scratch(struct mlrt_kdtree_part *part, size_t count)
 {
-    return mlrt_make_room(part->build, part->scratch, 2 * count + 1, sizeof(double)) ? part->scratch->elements : NULL;
+    struct mlrt_growing_array *scratch = &part->built.scratch;
+    return mlrt_make_room(part->build, scratch, 2 * count + 1, sizeof(double)) ? scratch->elements : NULL;
 }
 
 /* ---- leaves -------------------------------------------------------------------------------------------------- */
@@ -115,7 +116,7 @@ static int try_cheapest_split(const struct mlrt_kdtree_build *build, struct mlrt
     return cell->count >= BAD_REFINEMENT_MINIMUM && cell->bad_refinement_count++ < BAD_REFINEMENT_LIMIT;
 }
 
-static enum mlrt_choice choose_split(const struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell,
+static enum mlrt_choice choose_split(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell,
                                      struct mlrt_split *split)
 {
     const struct mlrt_kdtree_build *build = part->build;
@@ -224,7 +225,11 @@ static void deal_out(const struct mlrt_kdtree_part *part, const struct mlrt_kdtr
     above->work = cell->work - below->work;
 }
 
-int mlrt_is_cancelled_at(const struct mlrt_kdtree_part *part, const struct mlrt_kdtree_cell *cell)
+/*
+ * 1 if the call is cancelled, so that a loop over the cell's references may have ended early. Its counts are then too
+ * low, and memory reserved by them too small.
+ */
+static int is_cancelled_at(const struct mlrt_kdtree_part *part, const struct mlrt_kdtree_cell *cell)
 {
     return cell->count >= MLRT_ROUNDS && mlrt_is_cancelled(part->build->progress);
 }
@@ -238,18 +243,18 @@ enum mlrt_choice mlrt_cut_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree
         if (mlrt_advance(part->build->progress, work)) return MLRT_CHOICE_FAILED;
     }
     const enum mlrt_choice choice = choose_split(part, cell, split);
-    if (mlrt_is_cancelled_at(part, cell)) return MLRT_CHOICE_FAILED;
+    if (is_cancelled_at(part, cell)) return MLRT_CHOICE_FAILED;
     if (choice != MLRT_CHOICE_SPLIT) return choice;
     size_t counts[3];
     count_sides(part, cell, split, counts);
     const size_t both = counts[1];
-    if (mlrt_is_cancelled_at(part, cell)) return MLRT_CHOICE_FAILED;
+    if (is_cancelled_at(part, cell)) return MLRT_CHOICE_FAILED;
     if (both > cell->reference_limit - cell->count) return MLRT_CHOICE_LEAF;
     if (!mlrt_make_room(part->build, &part->built.references, cell->first + cell->count + both,
                         sizeof(struct mlrt_reference)))
         return MLRT_CHOICE_FAILED;
     deal_out(part, cell, split, sides);
-    return mlrt_is_cancelled_at(part, cell) ? MLRT_CHOICE_FAILED : MLRT_CHOICE_SPLIT;
+    return is_cancelled_at(part, cell) ? MLRT_CHOICE_FAILED : MLRT_CHOICE_SPLIT;
 }
 
 /* ---- subtrees ------------------------------------------------------------------------------------------------ */

@@ -8,12 +8,6 @@
 /* What becomes of a cell. FAILED: there is no memory, or the call is cancelled. */
 enum mlrt_choice { MLRT_CHOICE_FAILED, MLRT_CHOICE_LEAF, MLRT_CHOICE_SPLIT };
 
-/*
- * 1 if the call is cancelled, so that a loop over the cell's references may have ended early. Its counts are then too
- * low, and memory reserved by them too small.
- */
-int mlrt_is_cancelled_at(const struct mlrt_kdtree_part *part, const struct mlrt_kdtree_cell *cell);
-
 /* Cuts a cell in two, if that pays. A large cell advances the progress by the work of one of the levels below it. */
 enum mlrt_choice mlrt_cut_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell, struct mlrt_split *split,
                                struct mlrt_kdtree_cell sides[2]);

@@ -32,8 +32,6 @@ struct mlrt_kdtree_build {
     double scene_area;
     float tiny; /* as in mlrt_clip_halves */
     struct mlrt_progress *progress;
-    struct mlrt_growing_array
-        scratch; /* struct mlrt_growing_array: doubles of a worker, to look for planes and to sort */
     struct mlrt_kdtree_parts parts;
 };
 
@@ -55,6 +53,7 @@ struct mlrt_kdtree_subtree {
     struct mlrt_growing_array references; /* struct mlrt_reference: of siblings that wait, then of the current cell */
     struct mlrt_growing_array nodes;      /* struct mlrt_node */
     struct mlrt_growing_array entries;    /* uint32_t */
+    struct mlrt_growing_array scratch;    /* double: to look for planes and to sort */
     uint32_t node_count;
     uint32_t node_limit;
     uint32_t entry_count;
@@ -64,8 +63,7 @@ struct mlrt_kdtree_subtree {
 /* A part of the tree: a cell that is cut in two, or a subtree. All 0 = not used. */
 struct mlrt_kdtree_part {
     struct mlrt_kdtree_build *build;
-    struct mlrt_growing_array *scratch; /* of the worker that works on it */
-    struct mlrt_kdtree_cell cell;       /* of its root */
+    struct mlrt_kdtree_cell cell; /* of its root */
     uint32_t lower;          /* number of the part that has its lower side; the upper side has the next; 0 = not cut */
     struct mlrt_split split; /* if it is cut */
     struct mlrt_kdtree_subtree built; /* if it is not */
