@@ -100,19 +100,13 @@ static void clear_node(struct mlrt_bvh_node *node)
     }
 }
 
-/* A low bound; -inf below -MLRT_BVH_FAR (unit.h). */
-static float low_bound(float lo)
-{
-    return lo < -MLRT_BVH_FAR ? -INFINITY : lo;
-}
-
 static void write_child(struct mlrt_bvh_cursor *cursor, const struct mlrt_binary_node *node, uint32_t child)
 {
     const uint32_t slot = cursor->size.slot_count++;
     if (!cursor->parent) return;
     for (int k = 0; k < 3; k++) {
-        cursor->parent->lo[k][slot] = low_bound(node->lo[k]);
-        cursor->parent->hi[k][slot] = 0 - low_bound(-node->hi[k]);
+        cursor->parent->lo[k][slot] = mlrt_low_bound(node->lo[k]);
+        cursor->parent->hi[k][slot] = 0 - mlrt_low_bound(-node->hi[k]);
     }
     cursor->parent->child[slot] = child;
 }
