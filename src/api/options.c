@@ -2,7 +2,7 @@
 /* Options of a call, resolved: see options.h. */
 #include "api/options.h"
 
-#include "api/arguments.h"
+#include "base/message.h"
 #include "job/structure.h"
 #include "run/dispatch.h"
 

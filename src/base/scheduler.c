@@ -12,7 +12,6 @@
 #include <unistd.h>
 
 #include "base/forms.h"
-#include "base/host.h"
 #include "base/memory.h"
 #include "base/platform.h"
 
