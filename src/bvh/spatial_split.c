@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cuts a set of references by a plane: see split.h. A reference on both sides becomes two. This helps where large
+ * Cuts a set of references by a plane. A reference on both sides becomes two. This helps where large
  * triangles lie among small ones: a large one as a whole makes the boxes of both sides overlap, whichever side it is
  * on.
  *

@@ -1,5 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Where to cut a set of references in two: see split.h. */
+/*
+ * Where to cut a set of references in two: the surface area heuristic over their centres. The results depend on the
+ * references of one set alone.
+ *
+ * Based on: Ingo Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007 (bins of centres). Jeffrey
+ * Goldsmith, John Salmon, "Automatic Creation of Object Hierarchies for Ray Tracing", 1987 (the heuristic).
+ */
 #include "bvh/build.h"
 
 #include <float.h>
