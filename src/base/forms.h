@@ -61,7 +61,7 @@ const struct mlrt_field *mlrt_rules_of(int form);
 /* The most threads of a pool, with the one that calls. */
 #define MLRT_THREAD_LIMIT 1024
 
-/* Inner nodes of a path in a kd-tree, at most: stacks have room for as many. Scenes need no more (mlrta/settings.c). */
+/* Inner nodes of a path in a kd-tree, at most: stacks have room for as many. Scenes need no more (mlrta/build.c). */
 #define MLRT_DEPTH_LIMIT 60
 
 #endif

@@ -6,7 +6,7 @@
  * Based on: Alexander Reshetov, Alexei Soupikov, Jim Hurley, "Multi-Level Ray Tracing Algorithm", 2005, section 3.1.
  * Wenzel Jakob, Mitsuba renderer, 2010 (bad refinements and retraction).
  */
-#include "mlrta/cell.h"
+#include "mlrta/part.h"
 
 #include <math.h>
 

@@ -8,7 +8,20 @@
 #include "base/platform.h"
 #include "base/progress.h"
 #include "mlrta/kdtree.h"
-#include "mlrta/settings.h"
+#include "mlrta/split.h"
+
+struct mlrt_preset {
+    struct mlrt_cost_model model;
+    double minimum_cell; /* rule 3: cells of less than this part of the scene's surface area are not split */
+};
+
+struct mlrt_kdtree_settings {
+    struct mlrt_preset preset;
+    uint32_t rules_off;
+    uint32_t depth_limit;
+    uint64_t reference_limit;
+    mlrt_pool *pool;
+};
 
 struct mlrt_growing_array {
     void *elements;
@@ -69,6 +82,8 @@ struct mlrt_kdtree_part {
     struct mlrt_kdtree_subtree built; /* if it is not */
 };
 
+/* ---- part.c ---------------------------------------------------------------------------------------------------- */
+
 /* Changes the number of elements of `size` bytes and keeps the contents. Returns 0 if there is no memory. */
 int mlrt_set_room(struct mlrt_kdtree_build *build, struct mlrt_growing_array *array, size_t count, size_t size);
 
@@ -101,5 +116,31 @@ MLRT_INLINE int mlrt_rule_is_on(const struct mlrt_kdtree_build *build, uint32_t 
 {
     return (build->settings.rules_off & rule) == 0;
 }
+
+/* ---- cell.c ---------------------------------------------------------------------------------------------------- */
+
+/* What becomes of a cell. FAILED: there is no memory, or the call is cancelled. */
+enum mlrt_choice { MLRT_CHOICE_FAILED, MLRT_CHOICE_LEAF, MLRT_CHOICE_SPLIT };
+
+/* Cuts a cell in two, if that pays. A large cell advances the progress by the work of one of the levels below it. */
+enum mlrt_choice mlrt_cut_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell, struct mlrt_split *split,
+                               struct mlrt_kdtree_cell sides[2]);
+
+/* Adds the children of a node, and sets *first_child to the lower one. Returns 0 if there is no memory. */
+int mlrt_add_children(struct mlrt_kdtree_part *part, uint32_t node, const struct mlrt_split *split,
+                      uint32_t *first_child);
+
+/*
+ * Ends the subtree of a cell, whose sides are built: sets its cost, and if it does not pay, one leaf replaces it. Its
+ * entries are those from `offset` on. Returns 0 if there is no memory.
+ */
+int mlrt_close_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell, const struct mlrt_kdtree_cell *below,
+                    const struct mlrt_kdtree_cell *above, uint32_t offset);
+
+/*
+ * Builds the subtree of a cell, sets its cost, and overwrites its references. Returns 0 if there is no memory, or the
+ * call is cancelled.
+ */
+int mlrt_build_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell);
 
 #endif
