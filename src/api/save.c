@@ -193,7 +193,7 @@ static int32_t add_triangles(const mlrt_mesh *mesh, size_t position, struct mlrt
 {
     struct mlrt_triangle triangle;
     for (size_t i = 0; i < mesh->triangle_count; ++i) {
-        const int32_t status = mlrt_copy_triangle(mesh, position, i, &triangle);
+        const int32_t status = mlrt_copy_triangle(mesh, position, i, 1, &triangle);
         if (status != MLRT_OK) return status;
         mlrt_add_words(hash, &triangle, 9);
     }
