@@ -53,24 +53,18 @@ static const struct mlrt_preset PRESETS[] = {
 };
 
 /*
- * The usual 8 + 1.3 log2 n, plus 12 levels for empty sides and covered planes. With 60 levels in its place, expected
- * costs are the same in four digits (erw6, conference, cruiser, dragon, 2 million triangles of rooms). With 36 levels
- * they are at most 0.4 % higher, with 32 up to 4 %, with 28 up to 31 % (examples/depth.c).
+ * Options with all defaults resolved. The depth is the usual 8 + 1.3 log2 n, plus 12 levels for empty sides and covered
+ * planes. With 60 levels in its place, expected costs are the same in four digits (erw6, conference, cruiser, dragon, 2
+ * million triangles of rooms). With 36 levels they are at most 0.4 % higher, with 32 up to 4 %, with 28 up to 31 %
+ * (examples/depth.c).
  */
-static uint32_t default_depth(uint32_t triangle_count)
-{
-    double depth = 20 + 1.3 * log2((double)triangle_count + 1);
-    return depth < MLRT_DEPTH_LIMIT ? (uint32_t)depth : MLRT_DEPTH_LIMIT;
-}
-
-/* Options with all defaults resolved. */
 static struct mlrt_kdtree_settings resolve_options(const mlrt_kdtree_options *options, uint32_t triangle_count)
 {
     struct mlrt_kdtree_settings settings = {PRESETS[options->preset], options->rules_off, options->max_depth,
                                             options->max_references, options->pool};
     if (options->traversal_cost > 0) settings.preset.model.traversal = options->traversal_cost;
     if (options->intersection_cost > 0) settings.preset.model.intersection = options->intersection_cost;
-    if (settings.depth_limit == 0) settings.depth_limit = default_depth(triangle_count);
+    if (settings.depth_limit == 0) settings.depth_limit = (uint32_t)(20 + 1.3 * log2((double)triangle_count + 1));
     if (settings.depth_limit > MLRT_DEPTH_LIMIT) settings.depth_limit = MLRT_DEPTH_LIMIT;
     if (settings.reference_limit == 0) settings.reference_limit = 8 * (uint64_t)triangle_count + 1024;
     if (settings.reference_limit > UINT32_MAX) settings.reference_limit = UINT32_MAX;
