@@ -62,7 +62,6 @@ int32_t mlrt_make_references(struct mlrt_bvh_build *build)
     struct mlrt_box bounds = MLRT_NO_BOX;
     struct mlrt_bvh_set whole = empty_set(0);
     mlrt_tree_info *info = &build->tree->info;
-    info->non_finite_count = info->zero_area_count = 0;
     if (mlrt_run_step(build, build->limits.chunk_count, make_chunk_references) != MLRT_OK) return MLRT_ERROR_CANCELLED;
     for (uint32_t i = 0; i < build->limits.chunk_count; i++) {
         const struct mlrt_chunk *chunk = &build->references.chunks[i];

@@ -83,10 +83,8 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
 {
     mlrt_tree_info *info = &tree->info;
     struct measure measure = {traversal_cost, intersection_cost, mlrt_half_area(&tree->bounds), 0};
-    info->depth = 0;
     info->node_count = tree->kdtree.node_count;
     info->reference_count = tree->kdtree.reference_count;
-    info->leaf_count = info->empty_leaf_count = 0;
     memcpy(info->bounds_min, tree->bounds.lo, sizeof info->bounds_min);
     memcpy(info->bounds_max, tree->bounds.hi, sizeof info->bounds_max);
     if (!measure_node(tree, 0, 0, &tree->bounds, progress, &measure)) return;

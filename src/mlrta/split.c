@@ -42,9 +42,11 @@ struct mlrt_content mlrt_measure_content(const struct mlrt_box *cell, const stru
     struct mlrt_content content = {cell, references, count, progress, references[0].box, {0, 0, 0}};
     for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
         const struct mlrt_box *box = &references[i].box;
-        mlrt_extend_box(box->lo, box->hi, &content.bounds);
-        for (uint32_t k = 0; k < 3; k++)
+        for (uint32_t k = 0; k < 3; k++) {
+            content.bounds.lo[k] = box->lo[k] < content.bounds.lo[k] ? box->lo[k] : content.bounds.lo[k];
+            content.bounds.hi[k] = box->hi[k] > content.bounds.hi[k] ? box->hi[k] : content.bounds.hi[k];
             if (is_planar(box, k)) content.planar_area[k] += cross_section(box, k);
+        }
     }
     return content;
 }
