@@ -47,15 +47,6 @@ static int32_t resolve_method(int32_t given, const struct mlrt_tree *tree, int32
                      other->plural, structure->name);
 }
 
-/* Sets a job's kernels to those of an instruction set. Returns a status. */
-static int32_t choose_kernels(int32_t isa, int counting, struct mlrt_job *job)
-{
-    job->kernels = mlrt_select_kernels(job->tree->structure, isa, job->method, counting);
-    if (job->kernels) return MLRT_OK;
-    return mlrt_fail(MLRT_ERROR_UNSUPPORTED, "options.isa: %ld is not in this build, or not on this machine",
-                     (long)isa);
-}
-
 /* The default side of the tiles that threads claim. */
 static uint32_t standard_initial_tile(const struct mlrt_job *job)
 {
@@ -96,7 +87,10 @@ int32_t mlrt_resolve_options(const mlrt_tree *tree, const mlrt_trace_options *op
     const uint32_t split_factor = options->split_factor ? options->split_factor : DEFAULT_SPLIT_FACTOR;
     job->multilevel.split_divisor = split_factor == 4 ? 2 : 4;
     job->callback.outputs = options->outputs;
-    return choose_kernels(options->isa, options->counters != NULL, job);
+    job->kernels = mlrt_select_kernels(tree->structure, options->isa, job->method, options->counters != NULL);
+    if (job->kernels) return MLRT_OK;
+    return mlrt_fail(MLRT_ERROR_UNSUPPORTED, "options.isa: %ld is not in this build, or not on this machine",
+                     (long)options->isa);
 }
 
 int mlrt_set_plain_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
