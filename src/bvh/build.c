@@ -205,7 +205,9 @@ static int32_t measure(struct mlrt_bvh_build *build)
     struct mlrt_hash hash;
     double cost = 0, area = half_area(tree->bvh.whole.lo, tree->bvh.whole.hi, 1);
     build->parts = parts;
-    if (mlrt_run_step(build, count_parts(&tree->bvh), measure_part) != MLRT_OK) return MLRT_ERROR_CANCELLED;
+    const int32_t status = mlrt_run_step(build, count_parts(&tree->bvh), measure_part);
+    build->parts = NULL;
+    if (status != MLRT_OK) return status;
     mlrt_start_hash(&hash);
     for (uint32_t i = 0; i < count_parts(&tree->bvh); i++) {
         const uint32_t words[2] = {(uint32_t)parts[i].hash, (uint32_t)(parts[i].hash >> 32)};

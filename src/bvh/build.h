@@ -188,7 +188,7 @@ struct mlrt_bvh_build {
         struct mlrt_bvh_bins *shares;      /* of each worker, if there are several: bins of its part of a set */
     } work;
 
-    struct mlrt_bvh_part *parts; /* of the result, measured (build.c) */
+    struct mlrt_bvh_part *parts; /* of the result, while it is measured (build.c) */
 
     /* The memory of all arrays but `boxes`. */
     struct {
