@@ -52,7 +52,7 @@ static struct mlrt_tree build_with(struct mlrt_triangle *triangles, uint32_t cou
     const mlrt_tree_options defaults = options_of(MLRT_TREE_DEFAULT);
     memset(&tree, 0, sizeof tree);
     tree.triangles = triangles;
-    mlrt_read_in_order(&tree);
+    mlrt_find_triangles(&tree);
     tree.triangle_count = count;
     assert_int_equal(mlrt_build_bvh(&tree, options ? options : &defaults, NULL), MLRT_OK);
     const char *wrong = check_bvh(&tree);
@@ -328,7 +328,7 @@ static void test_running_out_of_memory_leaves_nothing(void **state)
             memset(&tree, 0, sizeof tree);
             tree.memory.limit_size = limit;
             tree.triangles = triangles_of(&soup);
-            mlrt_read_in_order(&tree);
+            mlrt_find_triangles(&tree);
             tree.triangle_count = (uint32_t)soup.count;
             status = mlrt_build_bvh(&tree, &options, NULL);
             if (status == MLRT_OK) {

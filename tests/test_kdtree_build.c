@@ -57,7 +57,7 @@ static struct mlrt_tree build_with(struct mlrt_triangle *triangles, uint32_t cou
     const mlrt_kdtree_options tuned = tuned_options();
     memset(&tree, 0, sizeof tree);
     tree.triangles = triangles;
-    mlrt_read_in_order(&tree);
+    mlrt_find_triangles(&tree);
     tree.triangle_count = count;
     assert_int_equal(mlrt_build_nodes(&tree, options ? options : &tuned, NULL), MLRT_OK);
     const char *wrong = check_kdtree(&tree);
@@ -524,7 +524,7 @@ static void run_out_of_memory(struct mlrt_triangle *triangles, uint32_t count, m
         memset(&tree, 0, sizeof tree);
         tree.memory.limit_size = limit;
         tree.triangles = triangles;
-        mlrt_read_in_order(&tree);
+        mlrt_find_triangles(&tree);
         tree.triangle_count = count;
         status = mlrt_build_nodes(&tree, &options, NULL);
         if (status == MLRT_OK) {

@@ -45,7 +45,7 @@ struct scene {
 static void make_cells(struct scene *scene, uint32_t among)
 {
     scene->tree.triangles = scene->triangles;
-    mlrt_read_in_order(&scene->tree);
+    mlrt_find_triangles(&scene->tree);
     scene->light.kind = MLRT_SOURCE_POINT_LIGHT;
     memcpy(scene->seen.waist.point, scene->eye, sizeof scene->eye);
     memset(&scene->lit, 0x77, sizeof scene->lit);

@@ -910,7 +910,7 @@ static void put_in_order(mlrt_tree *tree)
     tree->triangles = triangles;
     tree->bvh.places = NULL;
     tree->bvh.quad_count = tree->bvh.leaf_quad_count;
-    mlrt_read_in_order(tree);
+    mlrt_find_triangles(tree);
 }
 
 /* Frees the array of put_in_order, and gives the tree its hierarchy back. */
@@ -919,7 +919,7 @@ static void put_back(mlrt_tree *tree, const struct mlrt_bvh *kept)
     free(tree->triangles);
     tree->triangles = NULL;
     tree->bvh = *kept;
-    mlrt_read_by_places(tree);
+    mlrt_find_triangles(tree);
 }
 
 /* The leaf that a slot of the root or of a node below is; slots of nodes are numbered. */

@@ -35,19 +35,6 @@ int32_t mlrt_take_options(const mlrt_trace_options *given, struct mlrt_call *cal
     return status == MLRT_OK ? mlrt_check_fields(MLRT_STRUCT_COUNTERS, "options.counters", 0, counters) : status;
 }
 
-int32_t mlrt_check_options(const mlrt_trace_options *options, int is_picture)
-{
-    const uint32_t split = options->split_factor;
-    if (!is_picture && (options->lights || options->light_count))
-        return fail_argument("options.lights", "only mlrt_render_tiles takes lights");
-    if (options->lights && options->query == MLRT_QUERY_ANY)
-        return fail_argument("options.lights", "given, but query ANY takes no lights");
-    if (!options->lights && options->light_count)
-        return fail_argument("options.lights", "NULL, but light_count is not 0");
-    if (split == 0 || split == 4 || split == 16) return MLRT_OK;
-    return mlrt_fail(MLRT_ERROR_ARGUMENT, "options.split_factor: %lu is not 0, 4 or 16", (unsigned long)split);
-}
-
 /*
  * Calls of few rays spend a good part of their time on checks. So structs as most callers give them are recognised
  * here, with all arrays at once; for other structs the tables of rules say what is wrong, if anything. The arrays of a
@@ -98,13 +85,6 @@ int32_t mlrt_take_hits(const mlrt_hits **hits, mlrt_hits *own)
     return mlrt_take_struct(MLRT_STRUCT_HITS, "hits", 0, given, own);
 }
 
-int32_t mlrt_take_points(const mlrt_points *given, mlrt_points *own)
-{
-    const int32_t status = mlrt_take_struct(MLRT_STRUCT_POINTS, "points", 0, given, own);
-    if (status != MLRT_OK || !own->count || own->positions.data) return status;
-    return fail_argument("points.positions", "NULL, but count is not 0");
-}
-
 /* Is the array of results given that a field describes? */
 static int is_given(const struct mlrt_field *field, const void *arrays)
 {
@@ -114,7 +94,7 @@ static int is_given(const struct mlrt_field *field, const void *arrays)
 
 static MLRT_NOINLINE int32_t fail_query(const mlrt_hits *hits, int any)
 {
-    const struct mlrt_field *field = &mlrt_rules.results.hits[any ? 1 : 7];
+    const struct mlrt_field *field = mlrt_rules_of(MLRT_STRUCT_HITS) + (any ? 1 : 7);
     while (!is_given(field, hits)) ++field;
     return mlrt_fail(MLRT_ERROR_ARGUMENT,
                      any ? "options.query: ANY writes only `occluded`, but `%s` was given"
@@ -136,7 +116,7 @@ int32_t mlrt_check_hits(const char *path, const mlrt_hits *hits, const mlrt_trac
 
 int32_t mlrt_check_lists(const mlrt_hit_lists *lists, int may_be_empty)
 {
-    const struct mlrt_field *field = mlrt_rules.results.hit_lists;
+    const struct mlrt_field *field = mlrt_rules_of(MLRT_STRUCT_HIT_LISTS);
     for (int i = 0; i < 9; ++i, ++field) {
         if (!is_given(field, lists)) continue;
         may_be_empty = 1;

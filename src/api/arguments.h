@@ -58,18 +58,12 @@ struct mlrt_call {
     struct mlrt_run_options run;
 };
 
-/* Takes options (NULL = defaults). What depends on the kind of call is left to the next two functions. */
+/* Takes options (NULL = defaults). mlrt_resolve_options checks what depends on the kind of call (options.h). */
 int32_t mlrt_take_options(const mlrt_trace_options *given, struct mlrt_call *call);
-
-/* Checks rules between fields. Only pictures take lights. */
-int32_t mlrt_check_options(const mlrt_trace_options *options, int is_picture);
 
 /* Check a struct. If it is of another version or unusual, it is copied to *own, and *rays or *hits becomes `own`. */
 int32_t mlrt_take_rays(const mlrt_rays **rays, mlrt_rays *own);
 int32_t mlrt_take_hits(const mlrt_hits **hits, mlrt_hits *own);
-
-/* Copies a struct to *own, and checks it. */
-int32_t mlrt_take_points(const mlrt_points *given, mlrt_points *own);
 
 /*
  * Check that the call writes all arrays that are given, and that there is one. None is needed if `may_be_empty`: for a

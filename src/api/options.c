@@ -2,7 +2,7 @@
 /* Options of a call, resolved: see options.h. */
 #include "api/options.h"
 
-#include "api/arguments.h"
+#include "base/message.h"
 #include "job/structure.h"
 #include "run/dispatch.h"
 
@@ -10,6 +10,22 @@
 #define RAY_TILE             32 /* method ray: a render stops sooner with small tiles */
 #define DEFAULT_MINIMUM_TILE 32
 #define DEFAULT_SPLIT_FACTOR 16
+
+/* Checks rules between fields. Only pictures take lights. */
+static int32_t check_options(const mlrt_trace_options *options, int is_picture)
+{
+    const uint32_t split = options->split_factor;
+    const char *wrong = NULL;
+    if (!is_picture && (options->lights || options->light_count))
+        wrong = "only mlrt_render_tiles takes lights";
+    else if (options->lights && options->query == MLRT_QUERY_ANY)
+        wrong = "given, but query ANY takes no lights";
+    else if (!options->lights && options->light_count)
+        wrong = "NULL, but light_count is not 0";
+    if (wrong) return mlrt_fail(MLRT_ERROR_ARGUMENT, "options.lights: %s", wrong);
+    if (split == 0 || split == 4 || split == 16) return MLRT_OK;
+    return mlrt_fail(MLRT_ERROR_ARGUMENT, "options.split_factor: %lu is not 0, 4 or 16", (unsigned long)split);
+}
 
 /* Sets *size to `given`, or to `standard` if that is 0. A power of two from 4 to `most` is right. Returns a status. */
 MLRT_INLINE int32_t resolve_size(const char *field, uint32_t given, uint32_t standard, uint32_t most, uint32_t *size)
@@ -31,15 +47,6 @@ static int32_t resolve_method(int32_t given, const struct mlrt_tree *tree, int32
                      other->plural, structure->name);
 }
 
-/* Sets a job's kernels to those of an instruction set. Returns a status. */
-static int32_t choose_kernels(int32_t isa, int counting, struct mlrt_job *job)
-{
-    job->kernels = mlrt_select_kernels(job->tree->structure, isa, job->method, counting);
-    if (job->kernels) return MLRT_OK;
-    return mlrt_fail(MLRT_ERROR_UNSUPPORTED, "options.isa: %ld is not in this build, or not on this machine",
-                     (long)isa);
-}
-
 /* The default side of the tiles that threads claim. */
 static uint32_t standard_initial_tile(const struct mlrt_job *job)
 {
@@ -59,7 +66,7 @@ MLRT_INLINE void set_query(const mlrt_tree *tree, const mlrt_trace_options *opti
 
 int32_t mlrt_resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
-    int32_t status = mlrt_check_options(options, job->source.kind == MLRT_SOURCE_CAMERA);
+    int32_t status = check_options(options, job->source.kind == MLRT_SOURCE_CAMERA);
     if (status == MLRT_OK) status = resolve_method(options->method, tree, &job->method);
     if (status != MLRT_OK) return status;
     job->lights = NULL;
@@ -80,7 +87,10 @@ int32_t mlrt_resolve_options(const mlrt_tree *tree, const mlrt_trace_options *op
     const uint32_t split_factor = options->split_factor ? options->split_factor : DEFAULT_SPLIT_FACTOR;
     job->multilevel.split_divisor = split_factor == 4 ? 2 : 4;
     job->callback.outputs = options->outputs;
-    return choose_kernels(options->isa, options->counters != NULL, job);
+    job->kernels = mlrt_select_kernels(tree->structure, options->isa, job->method, options->counters != NULL);
+    if (job->kernels) return MLRT_OK;
+    return mlrt_fail(MLRT_ERROR_UNSUPPORTED, "options.isa: %ld is not in this build, or not on this machine",
+                     (long)options->isa);
 }
 
 int mlrt_set_plain_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)

@@ -56,7 +56,6 @@
 #include "base/host.h"
 #include "base/platform.h"
 #include "base/structs.h"
-#include "exact/predicate.h"
 #include "job/structure.h"
 #include "scene/meshes.h"
 
@@ -194,7 +193,7 @@ static int32_t add_triangles(const mlrt_mesh *mesh, size_t position, struct mlrt
 {
     struct mlrt_triangle triangle;
     for (size_t i = 0; i < mesh->triangle_count; ++i) {
-        const int32_t status = mlrt_copy_triangle(mesh, position, i, &triangle);
+        const int32_t status = mlrt_copy_triangle(mesh, position, i, 1, &triangle);
         if (status != MLRT_OK) return status;
         mlrt_add_words(hash, &triangle, 9);
     }
@@ -338,16 +337,11 @@ static int take_sections(const struct header *header, const unsigned char *data,
         const size_t size = (size_t)header->sections[i].size;
         if (!kind || header->counts[kind->needs] == 0) continue;
         memcpy(member_at(tree, kind->length), &header->counts[kind->count], sizeof header->counts[0]);
-        if (tree->borrowed) {
-            set_array(tree, kind, from);
-            continue;
-        }
-        void *copy = mlrt_allocate(&tree->memory, size, 1);
-        if (!copy) return 0;
-        memcpy(copy, from, size);
-        set_array(tree, kind, copy);
+        void *copy = tree->borrowed ? NULL : mlrt_allocate(&tree->memory, size, 1);
+        if (!tree->borrowed && !copy) return 0;
+        set_array(tree, kind, copy ? memcpy(copy, from, size) : from);
     }
-    mlrt_read_in_order(tree);
+    mlrt_find_triangles(tree);
     return 1;
 }
 

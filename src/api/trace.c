@@ -130,7 +130,9 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
     mlrt_light own_light;
     struct mlrt_call call;
     int32_t status = mlrt_take_options(options, &call);
-    if (status == MLRT_OK) status = mlrt_take_points(points, &own_points);
+    if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_POINTS, "points", 0, points, &own_points);
+    if (status == MLRT_OK && own_points.count && !own_points.positions.data)
+        status = mlrt_fail(MLRT_ERROR_ARGUMENT, "points.positions: NULL, but count is not 0");
     if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_LIGHT, "light", 0, light, &own_light);
     if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_BYTES, "occluded", 0, occluded);
     if (status != MLRT_OK) return mlrt_end_call(&call.run.voice, status);

@@ -46,20 +46,16 @@ static int32_t take_options(const void *given, const struct mlrt_structure *stru
 
 /* ---- building ---- */
 
-static mlrt_pool *pool_of(const struct call *call)
-{
-    const int is_kdtree = call->structure->builder.options_form == MLRT_STRUCT_KDTREE_OPTIONS;
-    return is_kdtree ? call->options.kdtree.pool : call->options.tree.pool;
-}
-
 static int32_t fill_tree(const mlrt_mesh *meshes, size_t mesh_count, const struct call *call, struct mlrt_tree *tree)
 {
+    const int is_kdtree = call->structure->builder.options_form == MLRT_STRUCT_KDTREE_OPTIONS;
+    mlrt_pool *pool = is_kdtree ? call->options.kdtree.pool : call->options.tree.pool;
     struct mlrt_progress progress;
     int32_t status = mlrt_check_meshes(meshes, mesh_count, &tree->triangle_count);
     if (status != MLRT_OK) return status;
     const double work = MLRT_COPY_WORK + (double)tree->structure->builder.work;
     mlrt_begin_progress(&call->voice.host, work * tree->triangle_count, &progress);
-    status = mlrt_copy_meshes(meshes, mesh_count, pool_of(call), &progress, tree);
+    status = mlrt_copy_meshes(meshes, mesh_count, pool, &progress, tree);
     if (status == MLRT_OK) status = tree->structure->builder.build(tree, &call->options, &progress);
     return mlrt_end_progress(&progress, status);
 }

@@ -28,52 +28,32 @@ struct mlrt_field {
     uint16_t offset;
     uint16_t most;
     uint8_t kind; /* MLRT_FIELD_* */
+    uint8_t form; /* whose rule it is */
 };
 
 struct mlrt_form {
     uint16_t first_size; /* of the struct, in the first version */
     uint16_t own_size;   /* in this version */
     uint8_t alignment;   /* every size of the struct is a multiple of it */
-    uint8_t rule;        /* the first of its rules in mlrt_rules */
-    uint8_t rule_count;
-    uint8_t status;   /* of broken rules */
-    uint8_t has_rows; /* outputs are pictures: their row strides matter */
 };
 
 /* Forms besides those of structs (MLRT_STRUCT_*). */
 enum {
-    MLRT_FORM_FRAME = MLRT_STRUCT_COUNT, /* mlrt_hits of a picture */
-    MLRT_FORM_PARALLEL,                  /* mlrt_camera: the numbers of a parallel camera */
-    MLRT_FORM_PINHOLE,                   /* mlrt_camera: those of a pinhole camera */
+    MLRT_FORM_FRAME = MLRT_STRUCT_COUNT, /* mlrt_hits of a picture: the rules of mlrt_hits, and row strides matter */
+    MLRT_FORM_DIRECTION,                 /* mlrt_camera: a parallel one has a direction, and no eye */
+    MLRT_FORM_VIEW,                      /* mlrt_camera: the other numbers */
+    MLRT_FORM_EYE,                       /* mlrt_camera: a pinhole one has an eye, and no direction */
     MLRT_FORM_VECTORS,                   /* mlrt_array as an argument: of three floats, in rows */
     MLRT_FORM_BYTES,                     /* mlrt_array as an argument: of bytes */
     MLRT_FORM_FLOAT,                     /* a float that must be finite */
     MLRT_FORM_COUNT
 };
 
-extern const struct mlrt_form mlrt_forms[MLRT_FORM_COUNT];
+/* Of structs, and of MLRT_FORM_FRAME. */
+extern const struct mlrt_form mlrt_forms[];
 
-/* All rules. In one struct, so that forms need no addresses, which would have to be relocated in a shared library. */
-extern const struct mlrt_rules {
-    struct mlrt_option_rules {
-        struct mlrt_field host[1], pool[1], tree[3], kdtree[5], load[1], trace[9], counters[1];
-    } options;
-    struct mlrt_ray_rules {
-        struct mlrt_field ray[1], rays[8], points[3], light[2], camera[1], view[9];
-    } rays;
-    struct mlrt_result_rules {
-        struct mlrt_field hits[8], hit_lists[9];
-    } results;
-    struct mlrt_argument_rules {
-        struct mlrt_field vectors[1], bytes[1], number[1];
-    } arguments;
-} mlrt_rules;
-
-/* The first rule of a form; the others follow. */
-static inline const struct mlrt_field *mlrt_rules_of(const struct mlrt_form *form)
-{
-    return (const struct mlrt_field *)(const void *)&mlrt_rules + form->rule;
-}
+/* The first rule of a form. The others follow; what comes behind them is of another form. */
+const struct mlrt_field *mlrt_rules_of(int form);
 
 /* The most lights that a picture may have: its shadows have a byte per pixel, and a light has one bit. */
 #define MLRT_LIGHT_LIMIT 8
@@ -81,7 +61,7 @@ static inline const struct mlrt_field *mlrt_rules_of(const struct mlrt_form *for
 /* The most threads of a pool, with the one that calls. */
 #define MLRT_THREAD_LIMIT 1024
 
-/* Inner nodes of a path in a kd-tree, at most: stacks have room for as many. Scenes need no more (mlrta/settings.c). */
+/* Inner nodes of a path in a kd-tree, at most: stacks have room for as many. Scenes need no more (mlrta/build.c). */
 #define MLRT_DEPTH_LIMIT 60
 
 #endif

@@ -14,7 +14,7 @@
 #include "base/message.h"
 #include "base/platform.h"
 
-#if MLRT_HAVE_MADVISE
+#if defined(__linux__)
 #include <sys/mman.h>
 #endif
 
@@ -71,7 +71,7 @@ static char *start_of(const void *block)
  */
 static void advise_large_pages(char *start, size_t size)
 {
-#if MLRT_HAVE_MADVISE && defined(MADV_HUGEPAGE)
+#if defined(MADV_HUGEPAGE)
     if (size < LARGE_BLOCK_SIZE) return;
     size_t skipped = (LARGE_PAGE_SIZE - (uintptr_t)start % LARGE_PAGE_SIZE) % LARGE_PAGE_SIZE;
     madvise(start + skipped, (size - skipped) / LARGE_PAGE_SIZE * LARGE_PAGE_SIZE, MADV_HUGEPAGE);

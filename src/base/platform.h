@@ -86,12 +86,6 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
     return (uint32_t)__builtin_ctz(bits);
 }
 
-#if defined(__SIZEOF_INT128__)
-#define MLRT_HAVE_INT128 1
-#else
-#define MLRT_HAVE_INT128 0
-#endif
-
 #if defined(__SSE2__) || defined(__x86_64__)
 #define MLRT_HAVE_SSE 1
 #else
@@ -116,12 +110,6 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 #define MLRT_NEON_KERNELS 1
 #else
 #define MLRT_NEON_KERNELS 0
-#endif
-
-#if defined(__linux__)
-#define MLRT_HAVE_MADVISE 1
-#else
-#define MLRT_HAVE_MADVISE 0
 #endif
 
 /* The number of processors that are online. Needs <unistd.h>; on Windows, the <pthread.h> of winpthreads. */

@@ -12,7 +12,6 @@
 #include <unistd.h>
 
 #include "base/forms.h"
-#include "base/host.h"
 #include "base/memory.h"
 #include "base/platform.h"
 
@@ -43,22 +42,13 @@ struct threads {
     int ending;            /* 1 = threads are to end */
 };
 
-/*
- * The host's functions that run tasks. With tasks a pool has no threads, and any number of batches can run at a time.
- */
-struct tasks {
-    void *user;
-    mlrt_enqueue_callback enqueue; /* NULL = the pool has threads */
-    mlrt_finish_callback finish;
-};
-
 struct mlrt_pool {
     struct mlrt_memory memory;
+    mlrt_pool_options options;  /* with `enqueue` it has no threads, and any number of batches can run at a time */
     uint32_t thread_count;      /* threads started; with tasks, the most tasks of a batch */
     pthread_mutex_t call_mutex; /* held for the length of a call: one batch at a time */
     pthread_mutex_t mutex;      /* guards batches and all members below */
     struct threads threads;
-    struct tasks tasks;
     size_t size;          /* of this block */
     struct thread each[]; /* the threads */
 };
@@ -146,12 +136,12 @@ static void run_tasks(mlrt_pool *pool, struct batch *batch)
     void *tasks[MLRT_THREAD_LIMIT];
     const uint32_t most = batch->item_count - 1;
     const uint32_t task_count = pool->thread_count < most ? pool->thread_count : most;
-    for (uint32_t i = 0; i < task_count; ++i) tasks[i] = pool->tasks.enqueue(pool->tasks.user, run_task, batch);
+    for (uint32_t i = 0; i < task_count; ++i) tasks[i] = pool->options.enqueue(pool->options.user, run_task, batch);
     pthread_mutex_lock(&pool->mutex);
     work_on_batch(pool, batch, 0);
     pthread_mutex_unlock(&pool->mutex);
     for (uint32_t i = 0; i < task_count; ++i)
-        if (tasks[i]) pool->tasks.finish(pool->tasks.user, tasks[i]);
+        if (tasks[i]) pool->options.finish(pool->options.user, tasks[i]);
 }
 
 int32_t mlrt_run_items(mlrt_pool *pool, uint32_t item_count, mlrt_work_function *function, void *work)
@@ -159,7 +149,7 @@ int32_t mlrt_run_items(mlrt_pool *pool, uint32_t item_count, mlrt_work_function 
     if (!pool || pool->thread_count == 0 || item_count < 2) return run_alone(item_count, function, work);
 
     struct batch batch = {function, work, item_count, 0, 0, pool, 1};
-    if (pool->tasks.enqueue) {
+    if (pool->options.enqueue) {
         run_tasks(pool, &batch);
         return batch.result;
     }
@@ -226,7 +216,8 @@ void mlrt_end_pool(mlrt_pool *pool)
     change_counter(&pool->threads.batch_number, 1);
     pthread_cond_broadcast(&pool->threads.batch_begins);
     pthread_mutex_unlock(&pool->mutex);
-    for (uint32_t i = 0; i < pool->thread_count && !pool->tasks.enqueue; ++i) pthread_join(pool->each[i].handle, NULL);
+    for (uint32_t i = 0; i < pool->thread_count && !pool->options.enqueue; ++i)
+        pthread_join(pool->each[i].handle, NULL);
     free_pool(pool);
 }
 
@@ -236,10 +227,8 @@ int32_t mlrt_make_pool(const mlrt_pool_options *options, const mlrt_host *host, 
     const uint32_t thread_count = options->thread_count ? options->thread_count : online_processor_count();
     mlrt_pool *made = allocate_pool(host, options->enqueue ? 0 : thread_count - 1);
     if (!made) return MLRT_ERROR_OUT_OF_MEMORY;
-    made->tasks.user = options->user;
-    made->tasks.enqueue = options->enqueue;
-    made->tasks.finish = options->finish;
-    if (made->tasks.enqueue)
+    made->options = *options;
+    if (options->enqueue)
         made->thread_count = thread_count - 1;
     else
         status = start_threads(made, thread_count);

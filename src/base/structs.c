@@ -215,15 +215,16 @@ static int32_t check_field(struct place *place, const struct mlrt_field *field, 
     return check_array(place, "stride ", array->data, array->stride == MLRT_STRIDE_ALL ? 0 : array->stride, 4, 0);
 }
 
-int32_t mlrt_check_fields(int number, const char *path, size_t index, const void *own)
+int32_t mlrt_check_fields(int form, const char *path, size_t index, const void *own)
 {
-    const struct mlrt_form *form = &mlrt_forms[number];
-    const struct mlrt_field *field = mlrt_rules_of(form), *end = field + form->rule_count;
-    struct place place = {path, index, "", form->status};
+    const int is_camera = form >= MLRT_FORM_DIRECTION && form <= MLRT_FORM_EYE;
+    const int has_rows = form == MLRT_FORM_FRAME || form == MLRT_FORM_VECTORS;
+    const int owner = form == MLRT_FORM_FRAME ? MLRT_STRUCT_HITS : form;
+    struct place place = {path, index, "", is_camera ? MLRT_ERROR_CAMERA : MLRT_ERROR_ARGUMENT};
     int32_t status = MLRT_OK;
-    for (; status == MLRT_OK && field < end; ++field) {
+    for (const struct mlrt_field *field = mlrt_rules_of(owner); status == MLRT_OK && field->form == owner; ++field) {
         place.field = field->name;
-        status = check_field(&place, field, form->has_rows, (const unsigned char *)own + field->offset);
+        status = check_field(&place, field, has_rows, (const unsigned char *)own + field->offset);
     }
     return status;
 }

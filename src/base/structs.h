@@ -16,7 +16,7 @@
 /*
  * Copies element `index` of a caller's array of structs to *own, and checks it; of a struct alone, that is element 0.
  * Fields that it does not have become 0; without a struct (NULL) all do. `form` is MLRT_STRUCT_* or MLRT_FORM_*; `path`
- * and `index` name the struct as in mlrt_fail_at. Returns MLRT_OK; the status of the form, if a rule is broken; or
+ * and `index` name the struct as in mlrt_fail_at. Returns MLRT_OK; the status of a rule that is broken; or
  * MLRT_ERROR_STRUCT_SIZE if its size is less than the least that its form has, greater than that of any later version,
  * not a multiple of its alignment, or not that of element 0, which must have been taken first; or if a byte behind the
  * fields that this version knows is not 0.
@@ -26,7 +26,7 @@ int32_t mlrt_take_struct(int form, const char *path, size_t index, const void *f
 /* As mlrt_take_struct, without the rules, for structs that say where messages go. */
 int32_t mlrt_copy_struct(int form, const char *path, size_t index, const void *first, void *own);
 
-/* Checks the fields of a struct of this version. Returns MLRT_OK, or the status of the form. */
+/* Checks the fields of a struct of this version. Returns MLRT_OK, or the status of a rule that is broken. */
 int32_t mlrt_check_fields(int form, const char *path, size_t index, const void *own);
 
 /* Checks that struct_size of a caller's result is one that mlrt_give_struct can write. Returns a status. */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The builder of the hierarchy of boxes. references.c makes a box for each triangle. binary.c cuts sets of these
- * references in two, again and again: the result is a binary hierarchy. cut.c cuts a set, within the limits of
- * budgets.c, where split.c or spatial_split.c say. collapse.c chooses which of its nodes become nodes of sixteen, and
- * write.c writes these in depth-first order. Here are the settings of a build, its memory, and its steps.
+ * references in two, again and again: the result is a binary hierarchy. cut.c cuts a set, within its limits, where
+ * split.c or spatial_split.c say. binary.c chooses which binary nodes become nodes of sixteen, too, and write.c writes
+ * these in depth-first order. Here are the settings of a build, its memory, its steps, and its report.
  *
  * The result does not depend on the number of threads: a set is split according to its references and its shares of
  * depth, leaves and spare places alone, every part has its place in the arrays before it is built, and the bins of
@@ -12,7 +12,9 @@
 #include "bvh/build.h"
 
 #include <math.h>
+#include <string.h>
 
+#include "base/hash.h"
 #include "base/platform.h"
 #include "base/tuning.h"
 #include "bvh/unit.h"
@@ -49,25 +51,23 @@ static const struct mlrt_bvh_costs COSTS = {1, MLRT_TRIANGLE_COST};
 
 /* ---- steps --------------------------------------------------------------------------------------------------- */
 
-/* A step of the build for the workers of the pool: see mlrt_run_step. */
-struct step {
+/* A step of the build, for the workers of the pool. */
+struct work {
     struct mlrt_bvh_build *build;
-    double (*run)(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker);
+    mlrt_bvh_step *step;
 };
 
 static int32_t run_item(void *work, uint32_t item, uint32_t worker)
 {
-    const struct step *step = work;
-    double done;
-    MLRT_COMPUTE(done = step->run(step->build, item, worker));
-    return mlrt_advance(step->build->progress, done);
+    const struct work *own = work;
+    MLRT_COMPUTE(own->step(own->build, item, worker));
+    return mlrt_is_cancelled(own->build->progress);
 }
 
-int32_t mlrt_run_step(struct mlrt_bvh_build *build, uint32_t count,
-                      double (*run)(struct mlrt_bvh_build *, uint32_t, uint32_t))
+int32_t mlrt_run_step(struct mlrt_bvh_build *build, uint32_t count, mlrt_bvh_step *step)
 {
-    struct step step = {build, run};
-    return mlrt_run_items(build->pool, count, run_item, &step) ? MLRT_ERROR_CANCELLED : MLRT_OK;
+    struct work work = {build, step};
+    return mlrt_run_items(build->pool, count, run_item, &work) ? MLRT_ERROR_CANCELLED : MLRT_OK;
 }
 
 /* ---- memory -------------------------------------------------------------------------------------------------- */
@@ -93,7 +93,6 @@ static uint64_t lay_out_work(struct mlrt_bvh_build *build, unsigned char *memory
     build->work.forests = take(memory, (size_t)build->limits.task_capacity + 1, sizeof *build->work.forests, &size);
     build->work.level = take(memory, build->limits.level_capacity, sizeof *build->work.level, &size);
     build->work.portions = take(memory, 2 * (size_t)build->limits.task_capacity, sizeof *build->work.portions, &size);
-    build->parts = take(memory, MLRT_BVH_PART_LIMIT, sizeof *build->parts, &size);
     build->work.shares = take(memory, worker_count > 1 ? worker_count : 0, sizeof *build->work.shares, &size);
     return size;
 }
@@ -115,21 +114,117 @@ static void free_work(struct mlrt_bvh_build *build)
     mlrt_free(&build->tree->memory, build->block.start, (size_t)build->block.size, 1);
 }
 
-/* ---- the whole hierarchy ------------------------------------------------------------------------------------- */
+/* ---- the report ---------------------------------------------------------------------------------------------- */
 
-static double measure_part(struct mlrt_bvh_build *build, uint32_t number, uint32_t worker)
+/*
+ * A finished hierarchy is measured in parts, each a share of the nodes and of the numbers in leaves. How many they are
+ * does not depend on threads, so sums of doubles do not, either.
+ */
+struct mlrt_bvh_part {
+    double cost; /* sum of cost times area of the children of its nodes */
+    uint64_t leaf_count;
+    uint64_t reference_count;
+    uint64_t hash; /* of boxes, children and numbers. Corners follow from the numbers */
+};
+
+/* The most parts, and the fewest nodes that are worth another one. */
+#define PART_LIMIT 64
+#define PART_NODES 64
+
+/* Nodes, and words of numbers, between two calls of mlrt_is_cancelled. */
+#define NODE_ROUNDS 1024
+#define WORD_ROUNDS 65536
+
+static uint32_t count_parts(const struct mlrt_bvh *bvh)
 {
-    (void)worker;
-    mlrt_measure_part(build->tree, &build->costs, number, build->progress, &build->parts[number]);
-    return 0;
+    const uint32_t count = bvh->node_count / PART_NODES + 1;
+    return count < PART_LIMIT ? count : PART_LIMIT;
 }
 
+/* Where one of `parts` begins, of a hierarchy that has `count` of something. */
+static size_t part_start(size_t count, uint32_t parts, uint32_t number)
+{
+    return count / parts * number + count % parts * number / parts;
+}
+
+/* Half the surface area of a box in units, whose bounds along the axes are `row` floats apart. */
+static double half_area(const float *lo, const float *hi, int row)
+{
+    struct mlrt_quad_box box;
+    for (int k = 0; k < 3; k++) {
+        box.lo.x[k] = mlrt_finite_bound(lo[k * row]);
+        box.hi.x[k] = mlrt_finite_bound(hi[k * row]);
+    }
+    return area_of(&box);
+}
+
+static void measure_node(const struct mlrt_bvh_build *build, const struct mlrt_bvh_node *node,
+                         struct mlrt_bvh_part *part)
+{
+    for (int i = 0; i < MLRT_BVH_WIDTH && node->child[i] != 0; i++) {
+        const double area = half_area(&node->lo[0][i], &node->hi[0][i], MLRT_BVH_WIDTH);
+        if (mlrt_bvh_quad_count(node->child[i]) != 0) {
+            const uint32_t count = mlrt_bvh_leaf_count(&build->tree->bvh, node->child[i]);
+            part->cost += area * set_cost(&build->costs, count);
+            part->leaf_count++;
+            part->reference_count += count;
+        } else {
+            part->cost += area * build->costs.node;
+        }
+    }
+}
+
+static void measure_part(struct mlrt_bvh_build *build, uint32_t number, uint32_t worker)
+{
+    const struct mlrt_bvh *bvh = &build->tree->bvh;
+    struct mlrt_bvh_part *part = &build->parts[number];
+    const size_t word_count = 4 * (size_t)bvh->leaf_quad_count;
+    const uint32_t parts = count_parts(bvh);
+    const size_t last_node = part_start(bvh->node_count, parts, number + 1);
+    const size_t last_word = part_start(word_count, parts, number + 1);
+    struct mlrt_hash hash;
+    (void)worker;
+    mlrt_start_hash(&hash);
+    for (size_t i = part_start(bvh->node_count, parts, number); i < last_node; i++) {
+        if (i % NODE_ROUNDS == 0 && mlrt_is_cancelled(build->progress)) return;
+        mlrt_add_words(&hash, &bvh->nodes[i], sizeof bvh->nodes[i] / 4);
+        measure_node(build, &bvh->nodes[i], part);
+    }
+    for (size_t i = part_start(word_count, parts, number); i < last_word && !mlrt_is_cancelled(build->progress);
+         i += WORD_ROUNDS)
+        mlrt_add_words(&hash, bvh->numbers + i, last_word - i < WORD_ROUNDS ? last_word - i : WORD_ROUNDS);
+    part->hash = mlrt_finish_hash(&hash);
+}
+
+/* Sets the members of tree->info that follow from the hierarchy, except depth. Returns a status. */
 static int32_t measure(struct mlrt_bvh_build *build)
 {
-    mlrt_run_step(build, mlrt_count_parts(&build->tree->bvh), measure_part);
-    mlrt_join_parts(build->parts, &build->costs, build->tree);
-    return mlrt_is_cancelled(build->progress) ? MLRT_ERROR_CANCELLED : MLRT_OK;
+    const struct mlrt_tree *tree = build->tree;
+    mlrt_tree_info *info = &build->tree->info;
+    struct mlrt_bvh_part parts[PART_LIMIT] = {{0, 0, 0, 0}};
+    struct mlrt_hash hash;
+    double cost = 0, area = half_area(tree->bvh.whole.lo, tree->bvh.whole.hi, 1);
+    build->parts = parts;
+    const int32_t status = mlrt_run_step(build, count_parts(&tree->bvh), measure_part);
+    build->parts = NULL;
+    if (status != MLRT_OK) return status;
+    mlrt_start_hash(&hash);
+    for (uint32_t i = 0; i < count_parts(&tree->bvh); i++) {
+        const uint32_t words[2] = {(uint32_t)parts[i].hash, (uint32_t)(parts[i].hash >> 32)};
+        mlrt_add_words(&hash, words, 2);
+        cost += parts[i].cost;
+        info->leaf_count += parts[i].leaf_count;
+        info->reference_count += parts[i].reference_count;
+    }
+    info->node_count = tree->bvh.node_count;
+    info->sah_cost = (area > 0 ? cost / area : 0) / build->costs.node + 1;
+    info->tree_hash = mlrt_finish_hash(&hash);
+    memcpy(info->bounds_min, tree->bounds.lo, sizeof info->bounds_min);
+    memcpy(info->bounds_max, tree->bounds.hi, sizeof info->bounds_max);
+    return MLRT_OK;
 }
+
+/* ---- the whole hierarchy ------------------------------------------------------------------------------------- */
 
 static int32_t build_hierarchy(struct mlrt_bvh_build *build)
 {

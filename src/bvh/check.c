@@ -1,120 +1,22 @@
 /* SPDX-License-Identifier: MIT */
-/* Statistics and invariants of a hierarchy of boxes: see node.h. */
+/* The invariants of a hierarchy of boxes: see node.h. */
 #include "bvh/node.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "base/hash.h"
-#include "bvh/set.h"
 #include "bvh/unit.h"
 
-/* ---- statistics ---------------------------------------------------------------------------------------------- */
-
-/* Nodes, and words of numbers, between two calls of mlrt_is_cancelled. */
-#define NODE_ROUNDS 1024
-#define WORD_ROUNDS 65536
-
-static int is_leaf(uint32_t child)
+const char *mlrt_check_places(const struct mlrt_tree *tree)
 {
-    return mlrt_bvh_quad_count(child) != 0;
-}
-
-static uint32_t leaf_count(const struct mlrt_bvh *bvh, uint32_t child)
-{
-    const uint32_t *numbers = bvh->numbers + 4 * (size_t)mlrt_bvh_offset(child);
-    uint32_t count = 0;
-    while (count < 4 * mlrt_bvh_quad_count(child) && numbers[count] != MLRT_NONE) count++;
-    return count;
-}
-
-/* Half the surface area of a box in units, whose bounds along the axes are `row` floats apart. */
-static double half_area(const float *lo, const float *hi, int row)
-{
-    struct mlrt_quad_box box;
-    for (int k = 0; k < 3; k++) {
-        box.lo.x[k] = mlrt_finite_bound(lo[k * row]);
-        box.hi.x[k] = mlrt_finite_bound(hi[k * row]);
+    for (uint32_t i = 0; tree->bvh.places != NULL && i < tree->triangle_count; i++) {
+        const uint32_t packed = tree->bvh.places[i], quad_count = mlrt_quad_count_of(packed);
+        if (mlrt_first_quad_of(packed) + quad_count > tree->bvh.quad_count ||
+            mlrt_place_in_leaf(packed) >= 4 * quad_count)
+            return "P1: a place is in no quad";
     }
-    return area_of(&box);
+    return NULL;
 }
-
-/* The fewest nodes that are worth another part. */
-#define PART_NODES 64
-
-uint32_t mlrt_count_parts(const struct mlrt_bvh *bvh)
-{
-    const uint32_t count = bvh->node_count / PART_NODES + 1;
-    return count < MLRT_BVH_PART_LIMIT ? count : MLRT_BVH_PART_LIMIT;
-}
-
-/* Where one of `parts` begins, of a hierarchy that has `count` of something. */
-static size_t part_start(size_t count, uint32_t parts, uint32_t number)
-{
-    return count / parts * number + count % parts * number / parts;
-}
-
-static void measure_node(const struct mlrt_bvh *bvh, const struct mlrt_bvh_node *node,
-                         const struct mlrt_bvh_costs *costs, struct mlrt_bvh_part *part)
-{
-    for (int i = 0; i < MLRT_BVH_WIDTH && node->child[i] != 0; i++) {
-        const double area = half_area(&node->lo[0][i], &node->hi[0][i], MLRT_BVH_WIDTH);
-        if (is_leaf(node->child[i])) {
-            const uint32_t count = leaf_count(bvh, node->child[i]);
-            part->cost += area * set_cost(costs, count);
-            part->leaf_count++;
-            part->reference_count += count;
-        } else {
-            part->cost += area * costs->node;
-        }
-    }
-}
-
-/* Boxes, children and numbers are hashed. Corners are not: they follow from the numbers. */
-void mlrt_measure_part(const struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, uint32_t number,
-                       struct mlrt_progress *progress, struct mlrt_bvh_part *part)
-{
-    const struct mlrt_bvh *bvh = &tree->bvh;
-    const size_t word_count = 4 * (size_t)bvh->leaf_quad_count;
-    const uint32_t parts = mlrt_count_parts(bvh);
-    const size_t last_node = part_start(bvh->node_count, parts, number + 1);
-    const size_t last_word = part_start(word_count, parts, number + 1);
-    struct mlrt_hash hash;
-    *part = (struct mlrt_bvh_part){0, 0, 0, 0};
-    mlrt_start_hash(&hash);
-    for (size_t i = part_start(bvh->node_count, parts, number); i < last_node; i++) {
-        if (i % NODE_ROUNDS == 0 && mlrt_is_cancelled(progress)) return;
-        mlrt_add_words(&hash, &bvh->nodes[i], sizeof bvh->nodes[i] / 4);
-        measure_node(bvh, &bvh->nodes[i], costs, part);
-    }
-    for (size_t i = part_start(word_count, parts, number); i < last_word && !mlrt_is_cancelled(progress);
-         i += WORD_ROUNDS)
-        mlrt_add_words(&hash, bvh->numbers + i, last_word - i < WORD_ROUNDS ? last_word - i : WORD_ROUNDS);
-    part->hash = mlrt_finish_hash(&hash);
-}
-
-void mlrt_join_parts(const struct mlrt_bvh_part *parts, const struct mlrt_bvh_costs *costs, struct mlrt_tree *tree)
-{
-    mlrt_tree_info *info = &tree->info;
-    struct mlrt_hash hash;
-    double cost = 0, area = half_area(tree->bvh.whole.lo, tree->bvh.whole.hi, 1);
-    info->leaf_count = info->reference_count = 0;
-    mlrt_start_hash(&hash);
-    for (uint32_t i = 0; i < mlrt_count_parts(&tree->bvh); i++) {
-        const uint32_t words[2] = {(uint32_t)parts[i].hash, (uint32_t)(parts[i].hash >> 32)};
-        mlrt_add_words(&hash, words, 2);
-        cost += parts[i].cost;
-        info->leaf_count += parts[i].leaf_count;
-        info->reference_count += parts[i].reference_count;
-    }
-    info->node_count = tree->bvh.node_count;
-    info->sah_cost = (area > 0 ? cost / area : 0) / costs->node + 1;
-    info->tree_hash = mlrt_finish_hash(&hash);
-    memcpy(info->bounds_min, tree->bounds.lo, sizeof info->bounds_min);
-    memcpy(info->bounds_max, tree->bounds.hi, sizeof info->bounds_max);
-}
-
-/* ---- invariants ---------------------------------------------------------------------------------------------- */
 
 static int has_no_corners(const float *corners, uint32_t row)
 {
@@ -150,7 +52,7 @@ static void prefetch_triangle(const struct mlrt_tree *tree, uint32_t number)
 /* Checks the places of a leaf. Adds to *placed_count the triangles that have their place here. */
 static const char *check_leaf(const struct mlrt_tree *tree, uint32_t child, uint32_t *placed_count)
 {
-    uint32_t place_count = 4 * mlrt_bvh_quad_count(child), count = leaf_count(&tree->bvh, child);
+    uint32_t place_count = 4 * mlrt_bvh_quad_count(child), count = mlrt_bvh_leaf_count(&tree->bvh, child);
     const uint32_t *numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
     const float *corners = tree->bvh.corners + 36 * (size_t)mlrt_bvh_offset(child);
     if (count == 0 || count + 3 < place_count) return "B5: a leaf has a quad without triangles";
@@ -208,8 +110,8 @@ static const char *check_node(const struct mlrt_tree *tree, uint32_t depth, stru
 /* Checks a child of a node at a depth. */
 static const char *check_child(const struct mlrt_tree *tree, uint32_t child, uint32_t depth, struct walk *walk)
 {
-    if (is_leaf(child)) {
-        uint32_t quad_count = mlrt_bvh_quad_count(child);
+    const uint32_t quad_count = mlrt_bvh_quad_count(child);
+    if (quad_count != 0) {
         if (quad_count > 4) return "B5: a leaf has too many quads";
         if (mlrt_bvh_offset(child) != walk->next_quad || quad_count > tree->bvh.leaf_quad_count - walk->next_quad)
             return "a leaf's quads are not where depth-first order has them";

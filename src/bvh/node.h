@@ -73,6 +73,15 @@ static inline uint32_t mlrt_bvh_offset(uint32_t child)
     return child >> 3;
 }
 
+/* The triangles of a leaf. */
+static inline uint32_t mlrt_bvh_leaf_count(const struct mlrt_bvh *bvh, uint32_t child)
+{
+    const uint32_t *numbers = bvh->numbers + 4 * (size_t)mlrt_bvh_offset(child);
+    uint32_t count = 0;
+    while (count < 4 * mlrt_bvh_quad_count(child) && numbers[count] != MLRT_NONE) count++;
+    return count;
+}
+
 /* ---- build.c --------------------------------------------------------------------------------------------------- */
 
 /*
@@ -98,58 +107,13 @@ struct mlrt_demand mlrt_foresee_bvh(const void *tree_options, uint32_t triangle_
 /* Frees the hierarchy of mlrt_build_bvh. tree->bvh is empty then. */
 void mlrt_free_bvh(struct mlrt_tree *tree);
 
-/* ---- places.c -------------------------------------------------------------------------------------------------- */
-
-/* How many quads have to be behind those of leaves. tree->info must have the counts of triangles left out. */
-uint32_t mlrt_count_given_quads(const struct mlrt_tree *tree);
-
-/*
- * Writes the quads behind leaves, and the places of their triangles: of those that have MLRT_NONE, which is no place.
- * The others have theirs from leaves.
- */
-void mlrt_write_given(struct mlrt_tree *tree);
-
-/* If a tree has places, frees its array of triangles in order, so that they are read by their places. */
-void mlrt_drop_order(struct mlrt_tree *tree);
-
-/* Lets tree->by_number read triangles by their places. */
-void mlrt_read_by_places(struct mlrt_tree *tree);
-
-/*
- * Checks that places are within the quads: then mlrt_triangle_at may be called. Returns NULL or the error, a static
- * string.
- */
-const char *mlrt_check_places(const struct mlrt_tree *tree);
-
 /* ---- check.c --------------------------------------------------------------------------------------------------- */
 
 /*
- * A finished hierarchy is measured in parts, each a share of the nodes and of the numbers in leaves. How many they are
- * does not depend on threads, so sums of doubles do not, either.
+ * Checks that places, if there are any, are within the quads: then mlrt_triangle_at may be called. Returns NULL or the
+ * error, a static string.
  */
-#define MLRT_BVH_PART_LIMIT 64
-
-struct mlrt_bvh_costs; /* set.h */
-
-struct mlrt_bvh_part {
-    double cost; /* sum of cost times area of the children of its nodes */
-    uint64_t leaf_count;
-    uint64_t reference_count;
-    uint64_t hash;
-};
-
-/* The number of parts, at most MLRT_BVH_PART_LIMIT. */
-uint32_t mlrt_count_parts(const struct mlrt_bvh *bvh);
-
-/* Measures a part. If the call is cancelled meanwhile, values may be wrong. */
-void mlrt_measure_part(const struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, uint32_t number,
-                       struct mlrt_progress *progress, struct mlrt_bvh_part *part);
-
-/*
- * Sets the members of tree->info that follow from the hierarchy and all its parts, except depth: the counts of nodes,
- * leaves and references, tree_hash, sah_cost (in units of costs->node), and the bounds.
- */
-void mlrt_join_parts(const struct mlrt_bvh_part *parts, const struct mlrt_bvh_costs *costs, struct mlrt_tree *tree);
+const char *mlrt_check_places(const struct mlrt_tree *tree);
 
 /*
  * Checks that tracing any ray through the hierarchy is safe: all invariants, but of B3 only that boxes lie within the

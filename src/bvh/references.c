@@ -31,7 +31,7 @@ MLRT_INLINE struct mlrt_quad_box reference_of(const struct mlrt_triangle *triang
 }
 
 /* Makes a reference for each triangle of a chunk that is not left out, from the place of the chunk's first triangle. */
-static double make_chunk_references(struct mlrt_bvh_build *build, uint32_t number, uint32_t worker)
+static void make_chunk_references(struct mlrt_bvh_build *build, uint32_t number, uint32_t worker)
 {
     struct mlrt_chunk *chunk = &build->references.chunks[number];
     const uint32_t first = number * MLRT_CHUNK_SIZE;
@@ -51,11 +51,10 @@ static double make_chunk_references(struct mlrt_bvh_build *build, uint32_t numbe
     chunk->set = set;
     memcpy(chunk->bounds.lo, set.box.lo.x, sizeof chunk->bounds.lo);
     memcpy(chunk->bounds.hi, set.box.hi.x, sizeof chunk->bounds.hi);
-    if (unit == 1 && mlrt_is_within(chunk->bounds.lo, chunk->bounds.hi, MLRT_BVH_FAR))
-        return MLRT_CHUNK_SIZE * MLRT_FIRST_WORK;
+    mlrt_advance(build->progress, MLRT_CHUNK_SIZE * MLRT_FIRST_WORK);
+    if (unit == 1 && mlrt_is_within(chunk->bounds.lo, chunk->bounds.hi, MLRT_BVH_FAR)) return;
     for (uint32_t i = 0; i < set.count; i++) scale_reference(unit, &references[i]);
-    chunk->set = mlrt_measure_set(build->references.boxes, first, set.count, build->progress);
-    return MLRT_CHUNK_SIZE * MLRT_FIRST_WORK;
+    chunk->set = mlrt_measure_set(build, first, set.count);
 }
 
 int32_t mlrt_make_references(struct mlrt_bvh_build *build)
@@ -63,7 +62,6 @@ int32_t mlrt_make_references(struct mlrt_bvh_build *build)
     struct mlrt_box bounds = MLRT_NO_BOX;
     struct mlrt_bvh_set whole = empty_set(0);
     mlrt_tree_info *info = &build->tree->info;
-    info->non_finite_count = info->zero_area_count = 0;
     if (mlrt_run_step(build, build->limits.chunk_count, make_chunk_references) != MLRT_OK) return MLRT_ERROR_CANCELLED;
     for (uint32_t i = 0; i < build->limits.chunk_count; i++) {
         const struct mlrt_chunk *chunk = &build->references.chunks[i];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cuts a set of references by a plane: see split.h. A reference on both sides becomes two. This helps where large
+ * Cuts a set of references by a plane. A reference on both sides becomes two. This helps where large
  * triangles lie among small ones: a large one as a whole makes the boxes of both sides overlap, whichever side it is
  * on.
  *
@@ -9,12 +9,11 @@
  *
  * Based on: Martin Stich, Heiko Friedrich, Andreas Dietrich, "Spatial Splits in Bounding Volume Hierarchies", 2009.
  */
-#include "bvh/split.h"
+#include "bvh/build.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "base/progress.h"
 #include "bvh/unit.h"
 #include "scene/clip.h"
 
@@ -182,11 +181,11 @@ static void choose_on_axis(const struct mlrt_bvh_costs *costs, const struct mlrt
     }
 }
 
-void mlrt_choose_plane(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t count,
+void mlrt_choose_plane(const struct mlrt_bvh_build *build, const struct mlrt_bvh_bins *bins, uint32_t count,
                        uint32_t spare, struct mlrt_bvh_split *split)
 {
     split->cost = HUGE_VAL;
-    for (uint32_t axis = 0; axis < 3; axis++) choose_on_axis(costs, bins, count, spare, axis, split);
+    for (uint32_t axis = 0; axis < 3; axis++) choose_on_axis(&build->costs, bins, count, spare, axis, split);
 }
 
 /* ---- dealing out ----------------------------------------------------------------------------------------------- */
@@ -238,8 +237,8 @@ static int keep_whole(struct dealing *dealing, int side, const struct mlrt_quad_
  * Cuts a reference by a plane. Returns a bit for each part that exists, at least one. For an odd triangle, which has no
  * corners in units, the box is cut instead.
  */
-static int cut_reference(const struct mlrt_triangle *triangles, float unit, const struct mlrt_quad_box *reference,
-                         uint32_t axis, float position, struct mlrt_quad_box parts[2])
+static int cut_reference(const struct mlrt_tree *tree, const struct mlrt_quad_box *reference, uint32_t axis,
+                         float position, struct mlrt_quad_box parts[2])
 {
     struct mlrt_triangle triangle;
     struct mlrt_box box;
@@ -249,7 +248,7 @@ static int cut_reference(const struct mlrt_triangle *triangles, float unit, cons
     if (position < box.lo[axis]) position = box.lo[axis];
     if (position > box.hi[axis]) position = box.hi[axis];
     parts[0] = parts[1] = *reference;
-    if (!mlrt_triangle_in_units(&triangles[mlrt_reference_triangle(reference)], unit, &triangle)) {
+    if (!mlrt_triangle_in_units(&tree->triangles[mlrt_reference_triangle(reference)], tree->bvh.unit, &triangle)) {
         parts[0].hi.x[axis] = parts[1].lo.x[axis] = position;
         return 3;
     }
@@ -268,16 +267,16 @@ static int cut_reference(const struct mlrt_triangle *triangles, float unit, cons
  * second loop deals out those on both sides: parts of the lower side go right behind the lower ones, parts of the upper
  * side behind all references.
  */
-void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit, struct mlrt_quad_box *references,
-                              const struct mlrt_bvh_set *set, const struct mlrt_bvh_split *split,
-                              struct mlrt_progress *progress, struct mlrt_bvh_set sides[2])
+void mlrt_apply_spatial_split(const struct mlrt_bvh_build *build, const struct mlrt_bvh_set *set,
+                              const struct mlrt_bvh_split *split, struct mlrt_bvh_set sides[2])
 {
+    struct mlrt_quad_box *references = build->references.boxes;
     const struct mlrt_binning slabs = mlrt_cut_bins(&set->box, MLRT_BVH_BINS);
     struct dealing dealing = {
         {empty_set(set->first), empty_set(0)}, {split->count[0], split->count[1]}, {split->box[0], split->box[1]}};
     uint32_t axis = split->axis, lower = set->first, next = lower, upper = lower + set->count, end = upper;
     while (next < upper) {
-        if (mlrt_is_cancelled_in_round(progress, upper - next)) break;
+        if (mlrt_is_cancelled_in_round(build->progress, upper - next)) break;
         if (slab_of(&slabs, axis, references[next].hi.x[axis]) <= split->bin) {
             add_reference(&references[next], &dealing.side[0]);
             if (next != lower) swap_references(&references[next], &references[lower]);
@@ -292,11 +291,11 @@ void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit,
     }
     float position = slab_start(&slabs, axis, split->bin + 1);
     for (next = lower; next < upper; next++) {
-        if (next % CUT_ROUNDS == 0 && mlrt_is_cancelled(progress)) break;
+        if (next % CUT_ROUNDS == 0 && mlrt_is_cancelled(build->progress)) break;
         struct mlrt_quad_box reference = references[next], parts[2];
         const int side = choose_side(&dealing, &reference);
         const int touched = side < 2 ? keep_whole(&dealing, side, &reference, parts)
-                                     : cut_reference(triangles, unit, &reference, axis, position, parts);
+                                     : cut_reference(build->tree, &reference, axis, position, parts);
         for (int i = 0; i < 2; i++)
             if (touched >> i & 1) add_reference(&parts[i], &dealing.side[i]);
         if (touched == 3) mlrt_mark_copy(&parts[1]);

@@ -1,6 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Where to cut a set of references in two: see split.h. */
-#include "bvh/split.h"
+/*
+ * Where to cut a set of references in two: the surface area heuristic over their centres. The results depend on the
+ * references of one set alone.
+ *
+ * Based on: Ingo Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007 (bins of centres). Jeffrey
+ * Goldsmith, John Salmon, "Automatic Creation of Object Hierarchies for Ray Tracing", 1987 (the heuristic).
+ */
+#include "bvh/build.h"
 
 #include <float.h>
 #include <math.h>
@@ -8,12 +14,11 @@
 
 /* ---- sets ---------------------------------------------------------------------------------------------------- */
 
-struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
-                                     struct mlrt_progress *progress)
+struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_bvh_build *build, uint32_t first, uint32_t count)
 {
     struct mlrt_bvh_set set = empty_set(first);
-    for (uint32_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++)
-        add_reference(&references[first + i], &set);
+    for (uint32_t i = 0; i < count && !mlrt_is_cancelled_in_round(build->progress, i + 1); i++)
+        add_reference(&build->references.boxes[first + i], &set);
     set.count = count;
     return set;
 }
@@ -76,7 +81,7 @@ static struct mlrt_quad_box join_bins(const struct mlrt_bvh_bins *bins, uint32_t
     return box;
 }
 
-void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins,
+void mlrt_choose_split(const struct mlrt_bvh_build *build, const struct mlrt_bvh_bins *bins,
                        const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split)
 {
     MLRT_ALIGNED(16) float upper[MLRT_BVH_BINS][4], cost[MLRT_BVH_BINS][4], best[4];
@@ -86,10 +91,10 @@ void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
     struct side side = empty_side();
     f4 least = f4_set1(INFINITY);
     uint32_t axis = 0, bin = 0;
-    for (uint32_t i = last; i > 0; i--) f4_store(upper[i], add_row(costs, bins, i, unit, &side));
+    for (uint32_t i = last; i > 0; i--) f4_store(upper[i], add_row(&build->costs, bins, i, unit, &side));
     side = empty_side();
     for (uint32_t i = 0; i < last; i++) {
-        const f4 sum = f4_add(add_row(costs, bins, i, unit, &side), f4_load(upper[i + 1]));
+        const f4 sum = f4_add(add_row(&build->costs, bins, i, unit, &side), f4_load(upper[i + 1]));
         f4_store(cost[i], sum);
         least = f4_min(sum, least); /* `least` if the sum is NaN */
     }
@@ -133,13 +138,12 @@ static uint32_t rank_of(const int32_t key[MLRT_SWEEP_LIMIT], uint32_t count, uin
     return (uint32_t)rank;
 }
 
-void mlrt_sweep_set(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_box *references,
-                    const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split)
+void mlrt_sweep_set(const struct mlrt_bvh_build *build, const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split)
 {
+    const struct mlrt_quad_box *references = build->references.boxes + set->first;
     MLRT_ALIGNED(16) int32_t key[3][MLRT_SWEEP_LIMIT];
     uint8_t rank[3][MLRT_SWEEP_LIMIT];
     struct mlrt_bvh_bins bins;
-    references += set->first;
     for (uint32_t i = 0; i < set->count; i++) {
         MLRT_ALIGNED(16) float centre[4];
         f4_store(centre, centre_of(references[i].lo.v, references[i].hi.v));
@@ -157,17 +161,16 @@ void mlrt_sweep_set(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_b
         bins.first_count[i][3] = 0;
     }
     split->axis = 0; /* where there is no split */
-    mlrt_choose_split(costs, &bins, set, split);
+    mlrt_choose_split(build, &bins, set, split);
     split->kind = MLRT_SPLIT_BY_RANK;
     memcpy(split->rank, rank[split->axis], sizeof split->rank);
 }
 
-static void apply_ranks(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
-                        const struct mlrt_bvh_split *split)
+static void apply_ranks(struct mlrt_quad_box *references, uint32_t count, const uint8_t *ranks)
 {
     struct mlrt_quad_box sorted[MLRT_SWEEP_LIMIT];
-    for (uint32_t i = 0; i < set->count; i++) sorted[split->rank[i]] = references[set->first + i];
-    memcpy(references + set->first, sorted, set->count * sizeof *sorted);
+    for (uint32_t i = 0; i < count; i++) sorted[ranks[i]] = references[i];
+    memcpy(references, sorted, count * sizeof *sorted);
 }
 
 /* ---- many references ------------------------------------------------------------------------------------------- */
@@ -247,17 +250,17 @@ static void fill_block(const struct mlrt_quad_box *references, uint32_t count, f
     if (i < count) fill_bin(&references[i], bin[i], bins);
 }
 
-void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
-                    const struct mlrt_quad_box *centres, struct mlrt_progress *progress, struct mlrt_bvh_bins *bins)
+void mlrt_fill_bins(const struct mlrt_bvh_build *build, uint32_t first, uint32_t count,
+                    const struct mlrt_quad_box *centres, struct mlrt_bvh_bins *bins)
 {
     const struct mlrt_binning binning = mlrt_cut_bins(centres, bins->bin_count);
     const f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
     const int is_large = count >= MANY_REFERENCES;
     struct mlrt_bvh_bins others;
     if (is_large) mlrt_clear_bins(MLRT_SPLIT_BY_BIN, count, &others);
-    for (uint32_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + BLOCK_SIZE); i += BLOCK_SIZE) {
+    for (uint32_t i = 0; i < count && !mlrt_is_cancelled_in_round(build->progress, i + BLOCK_SIZE); i += BLOCK_SIZE) {
         const uint32_t left = count - i;
-        fill_block(references + first + i, left < BLOCK_SIZE ? left : BLOCK_SIZE, start, scale, bins,
+        fill_block(build->references.boxes + first + i, left < BLOCK_SIZE ? left : BLOCK_SIZE, start, scale, bins,
                    is_large ? &others : bins);
     }
     if (is_large) mlrt_merge_bins(&others, bins);
@@ -284,16 +287,16 @@ MLRT_INLINE void grow_unless_nan(struct mlrt_quad_box *box, f4 centre)
  * Partitions the references in place, without branches, which would be mispredicted. Each is swapped with the first of
  * the upper side, and is the last of the lower side if that grows.
  */
-static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
-                       const struct mlrt_bvh_split *split, struct mlrt_progress *progress, struct mlrt_bvh_set sides[2])
+static void apply_bins(const struct mlrt_bvh_build *build, const struct mlrt_bvh_set *set,
+                       const struct mlrt_bvh_split *split, struct mlrt_bvh_set sides[2])
 {
     const struct mlrt_binning binning = mlrt_cut_bins(&set->centres, bins_of(set->count));
     const uint32_t axis = split->axis;
     const f4 start = f4_set1(binning.start[axis]), scale = f4_set1(binning.scale[axis]);
     const f4 limit = f4_set1((float)(split->bin + 1));
     struct mlrt_quad_box lower = empty_box(), upper = empty_box();
-    struct mlrt_quad_box *next = references + set->first, *place = next;
-    for (uint32_t left = set->count; left > 0 && !mlrt_is_cancelled_in_round(progress, left); left--) {
+    struct mlrt_quad_box *next = build->references.boxes + set->first, *place = next;
+    for (uint32_t left = set->count; left > 0 && !mlrt_is_cancelled_in_round(build->progress, left); left--) {
         const f4 lo = next->lo.v, hi = next->hi.v, centre = centre_of(lo, hi);
         const f4 along_axis = centre_of(f4_set1(next->lo.x[axis]), f4_set1(next->hi.x[axis]));
         const f4 beyond = f4_sub(f4_mul(f4_sub(along_axis, start), scale), limit); /* negative on the lower side */
@@ -310,22 +313,13 @@ static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_s
 
 /* ---- all ---------------------------------------------------------------------------------------------------- */
 
-void mlrt_halve_set(const struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
-                    struct mlrt_progress *progress, struct mlrt_bvh_set sides[2])
-{
-    const uint32_t half = set->count / 2;
-    sides[0] = mlrt_measure_set(references, set->first, half, progress);
-    sides[1] = mlrt_measure_set(references, set->first + half, set->count - half, progress);
-}
-
-void mlrt_apply_bvh_split(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
-                          const struct mlrt_bvh_split *split, struct mlrt_progress *progress,
-                          struct mlrt_bvh_set sides[2])
+void mlrt_apply_bvh_split(const struct mlrt_bvh_build *build, const struct mlrt_bvh_set *set,
+                          const struct mlrt_bvh_split *split, struct mlrt_bvh_set sides[2])
 {
     sides[0] = (struct mlrt_bvh_set){split->box[0], set->centres, set->first, split->count[0]};
     sides[1] = (struct mlrt_bvh_set){split->box[1], set->centres, set->first + split->count[0], split->count[1]};
     if (split->kind == MLRT_SPLIT_BY_RANK)
-        apply_ranks(references, set, split);
+        apply_ranks(build->references.boxes + set->first, set->count, split->rank);
     else
-        apply_bins(references, set, split, progress, sides);
+        apply_bins(build, set, split, sides);
 }

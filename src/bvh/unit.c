@@ -70,13 +70,6 @@ static int typical_exponent(const struct mlrt_tree *tree)
     return 0;
 }
 
-/* The exponent of the unit, limited to -120 .. 120 so that the unit is a normal float. */
-static int unit_exponent(int typical)
-{
-    if (typical >= -USUAL_EXPONENT && typical <= USUAL_EXPONENT) return 0;
-    return typical < -120 ? 120 : typical > 120 ? -120 : -typical;
-}
-
 int mlrt_is_odd(const struct mlrt_tree *tree, uint32_t number)
 {
     const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
@@ -87,7 +80,9 @@ int mlrt_is_odd(const struct mlrt_tree *tree, uint32_t number)
 int mlrt_set_bvh_unit(struct mlrt_tree *tree)
 {
     const int typical = typical_exponent(tree);
-    tree->bvh.unit = (float)ldexp(1, unit_exponent(typical));
+    const int limited = typical < -120 ? -120 : typical > 120 ? 120 : typical; /* so that the unit is a normal float */
+    const int is_usual = typical >= -USUAL_EXPONENT && typical <= USUAL_EXPONENT;
+    tree->bvh.unit = is_usual ? 1 : (float)ldexp(1, -limited);
     return typical;
 }
 

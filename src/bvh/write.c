@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Writes the hierarchy of boxes that was chosen from the binary one (collapse.h): how large it is, its arrays, its
+ * Writes the hierarchy of boxes that was chosen from the binary one (build.h): how large it is, its arrays, its
  * leaves and nodes in depth-first order. The parts below the tasks are written by one worker each.
  */
 #include "bvh/build.h"
@@ -100,19 +100,13 @@ static void clear_node(struct mlrt_bvh_node *node)
     }
 }
 
-/* A low bound; -inf below -MLRT_BVH_FAR (unit.h). */
-static float low_bound(float lo)
-{
-    return lo < -MLRT_BVH_FAR ? -INFINITY : lo;
-}
-
 static void write_child(struct mlrt_bvh_cursor *cursor, const struct mlrt_binary_node *node, uint32_t child)
 {
     const uint32_t slot = cursor->size.slot_count++;
     if (!cursor->parent) return;
     for (int k = 0; k < 3; k++) {
-        cursor->parent->lo[k][slot] = low_bound(node->lo[k]);
-        cursor->parent->hi[k][slot] = 0 - low_bound(-node->hi[k]);
+        cursor->parent->lo[k][slot] = mlrt_low_bound(node->lo[k]);
+        cursor->parent->hi[k][slot] = 0 - mlrt_low_bound(-node->hi[k]);
     }
     cursor->parent->child[slot] = child;
 }
@@ -193,14 +187,13 @@ static void write_forest(struct mlrt_bvh_build *build, const struct mlrt_forest 
     write_slots(build, forest->node, forest->slots, &none, cursor);
 }
 
-static double measure_task(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
+static void measure_task(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
 {
     struct mlrt_forest *forest = &build->work.forests[item];
     struct mlrt_bvh_cursor cursor = {.size = {.depth = forest->from.depth}, .depth = forest->from.depth};
     (void)worker;
     write_forest(build, forest, &cursor);
     forest->size = cursor.size;
-    return 0;
 }
 
 static struct mlrt_bvh_size measure_all(struct mlrt_bvh_build *build)
@@ -213,12 +206,12 @@ static struct mlrt_bvh_size measure_all(struct mlrt_bvh_build *build)
     return size;
 }
 
-static double write_task(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
+static void write_task(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
 {
     struct mlrt_forest *forest = &build->work.forests[item];
     (void)worker;
     write_forest(build, forest, &forest->from);
-    return MLRT_LAST_WORK * build->work.tasks[item]->set.count;
+    mlrt_advance(build->progress, MLRT_LAST_WORK * build->work.tasks[item]->set.count);
 }
 
 /*
@@ -236,6 +229,39 @@ static int32_t write_all(struct mlrt_bvh_build *build)
     return mlrt_run_step(build, build->work.task_count, write_task);
 }
 
+/* ---- triangles that no leaf has as they were given -------------------------------------------------------------- */
+
+/* How many quads have to be behind those of leaves. */
+static uint32_t count_given_quads(const struct mlrt_tree *tree)
+{
+    uint32_t count = (uint32_t)(tree->info.non_finite_count + tree->info.zero_area_count);
+    const uint32_t doubtful_count = tree->bvh.is_usual ? 0 : tree->triangle_count;
+    for (uint32_t i = 0; i < doubtful_count; i++)
+        count += (uint32_t)(mlrt_is_odd(tree, i) && !mlrt_is_left_out(tree, i));
+    return (count + 3) / 4;
+}
+
+/*
+ * Writes the quads behind leaves, and the places of their triangles: of those that have MLRT_NONE, which is no place.
+ * The others have theirs from leaves.
+ */
+static void write_given(struct mlrt_tree *tree)
+{
+    struct mlrt_bvh *bvh = &tree->bvh;
+    uint32_t number = 0;
+    for (size_t place = 4 * (size_t)bvh->leaf_quad_count; place < 4 * (size_t)bvh->quad_count; place++) {
+        const struct mlrt_triangle *triangle = NULL;
+        bvh->numbers[place] = MLRT_NONE;
+        while (number < tree->triangle_count && bvh->places[number] != MLRT_NONE) number++;
+        if (number < tree->triangle_count) {
+            triangle = &tree->triangles[number];
+            bvh->numbers[place] = number;
+            bvh->places[number] = mlrt_pack_place((uint32_t)(place / 4), 1, place % 4);
+        }
+        write_corners(triangle, 4, bvh->corners + 36 * (place / 4) + place % 4);
+    }
+}
+
 /* ---- arrays -------------------------------------------------------------------------------------------------- */
 
 void mlrt_free_bvh(struct mlrt_tree *tree)
@@ -249,13 +275,12 @@ void mlrt_free_bvh(struct mlrt_tree *tree)
 }
 
 /* Marks the places of a chunk of triangles as those of triangles in no leaf. Leaves write the places of theirs. */
-static double clear_places(struct mlrt_bvh_build *build, uint32_t chunk, uint32_t worker)
+static void clear_places(struct mlrt_bvh_build *build, uint32_t chunk, uint32_t worker)
 {
     const uint32_t count = mlrt_item_size(build->tree->triangle_count, MLRT_CHUNK_SIZE, chunk);
     uint32_t *places = build->tree->bvh.places + (size_t)chunk * MLRT_CHUNK_SIZE;
     (void)worker;
     memset(places, 0xFF, count * sizeof *places);
-    return 0;
 }
 
 static int32_t allocate_result(struct mlrt_bvh_build *build, const struct mlrt_bvh_size *size)
@@ -267,7 +292,7 @@ static int32_t allocate_result(struct mlrt_bvh_build *build, const struct mlrt_b
                          "meshes: the tree would have more than %lu nodes, or %lu quads of triangles",
                          (unsigned long)MLRT_BVH_NODE_LIMIT, (unsigned long)QUAD_LIMIT);
     }
-    const uint64_t quad_count = size->quad_count + mlrt_count_given_quads(tree);
+    const uint64_t quad_count = size->quad_count + count_given_quads(tree);
     const int has_places = tree->triangle_count > 0 && quad_count < MLRT_PLACE_QUADS;
     bvh->node_count = (uint32_t)size->node_count;
     bvh->leaf_quad_count = (uint32_t)size->quad_count;
@@ -297,7 +322,7 @@ int32_t mlrt_write_hierarchy(struct mlrt_bvh_build *build)
     int32_t status = allocate_result(build, &size);
     if (status == MLRT_OK && has_leaves) status = write_all(build);
     if (status != MLRT_OK) return status;
-    mlrt_write_given(build->tree);
+    write_given(build->tree);
     build->tree->info.depth = size.depth;
     return MLRT_OK;
 }

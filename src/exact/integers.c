@@ -23,7 +23,7 @@
 
 #include "base/platform.h"
 
-#if MLRT_HAVE_INT128
+#if defined(__SIZEOF_INT128__)
 typedef uint64_t limb;
 typedef int64_t signed_limb;
 __extension__ typedef unsigned __int128 two_limbs;

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Reports progress to the host in the middle of an item, and asks whether the host has ended the call.
- */
+/* Reports progress to the host in the middle of an item, and asks whether the host has ended the call. */
 #ifndef MLRT_JOB_STOP_H
 #define MLRT_JOB_STOP_H
 

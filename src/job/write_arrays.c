@@ -236,14 +236,7 @@ MLRT_INLINE struct square find_square(unsigned char *corner, size_t square, cons
     return (struct square){{above, above + stride, above + row_stride, above + row_stride + stride}};
 }
 
-/* Writes one value to each struct of a square. */
-MLRT_INLINE void write_singles(const unsigned char *values, const struct square *to)
-{
-    MLRT_UNROLL
-    for (int i = 0; i < 4; ++i) memcpy(to->at[i], values + 4 * i, 4);
-}
-
-/* Writes two neighbouring values to each. */
+/* Writes two neighbouring values to each struct of a square. */
 MLRT_INLINE void write_pairs(const unsigned char *first, const unsigned char *second, const struct square *to)
 {
     const f4 a = f4_load_any(first), b = f4_load_any(second);
@@ -285,7 +278,8 @@ static MLRT_NOINLINE void write_structs(const struct mlrt_packet_values *values,
         } else if (count == 2) {
             write_pairs(arrays[0] + 16 * i, arrays[1] + 16 * i, &square);
         } else {
-            write_singles(arrays[0] + 16 * i, &square);
+            MLRT_UNROLL
+            for (size_t k = 0; k < 4; ++k) memcpy(square.at[k], arrays[0] + 16 * i + 4 * k, 4);
         }
     }
 }

@@ -175,31 +175,23 @@ static void set_slopes(const float lo[3], const float hi[3], struct mlrt_beam *b
 }
 
 /*
- * Widens [*lo, *hi] to hold coordinate k of the ray from its origin to t_max. The product is exact in double; `slack`
+ * Widens a range to hold coordinate k of the ray from its origin to t_max. The product is exact in double; `slack`
  * covers the roundings of the sums.
  */
-static void add_to_region(const struct mlrt_ray_segment *ray, int k, double *lo, double *hi)
+static void add_to_region(const struct mlrt_ray_segment *ray, int k, struct range *range)
 {
     double end = ray->direction[k] == 0 ? ray->origin[k] : ray->origin[k] + (double)ray->t_max * ray->direction[k];
     double slack = isinf(end) ? 0 : (fabs(ray->origin[k]) + fabs(end)) * 0x1p-50;
-    *lo = fmin(*lo, fmin(ray->origin[k], end - slack));
-    *hi = fmax(*hi, fmax(ray->origin[k], end + slack));
+    range->lo = fmin(range->lo, fmin(ray->origin[k], end - slack));
+    range->hi = fmax(range->hi, fmax(ray->origin[k], end + slack));
 }
 
 /* Of the rays of a tile so far. */
 struct tile_bounds {
-    double region_lo[3];
-    double region_hi[3];
-    float direction_lo[3];
-    float direction_hi[3];
+    struct range region[3];
+    struct mlrt_box direction;
     uint32_t ray_count;
 };
-
-static const struct tile_bounds NO_BOUNDS = {{INFINITY, INFINITY, INFINITY},
-                                             {-INFINITY, -INFINITY, -INFINITY},
-                                             {INFINITY, INFINITY, INFINITY},
-                                             {-INFINITY, -INFINITY, -INFINITY},
-                                             0};
 
 /*
  * Adds a ray to the bounds and its origin to the beam. Returns 0 if the ray is not float-safe (source.h), or its signs
@@ -218,9 +210,9 @@ static int fit_ray(const struct mlrt_ray_segment *ray, struct tile_bounds *bound
         if ((d < 0) != beam->negative[k]) return 0;
         if (o < beam->origin_lo[k]) beam->origin_lo[k] = o;
         if (o > beam->origin_hi[k]) beam->origin_hi[k] = o;
-        if (d < bounds->direction_lo[k]) bounds->direction_lo[k] = d;
-        if (d > bounds->direction_hi[k]) bounds->direction_hi[k] = d;
-        add_to_region(ray, k, &bounds->region_lo[k], &bounds->region_hi[k]);
+        if (d < bounds->direction.lo[k]) bounds->direction.lo[k] = d;
+        if (d > bounds->direction.hi[k]) bounds->direction.hi[k] = d;
+        add_to_region(ray, k, &bounds->region[k]);
     }
     if (ray->t_min > 0) beam->may_cover = 0;
     return 1;
@@ -230,7 +222,8 @@ static int fit_ray(const struct mlrt_ray_segment *ray, struct tile_bounds *bound
 static int make_array_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                            struct mlrt_beam *beam)
 {
-    struct tile_bounds bounds = NO_BOUNDS;
+    const struct range none = {INFINITY, -INFINITY};
+    struct tile_bounds bounds = {{none, none, none}, MLRT_NO_BOX, 0};
     beam->may_cover = source->arrays.skip.data == NULL;
     beam->is_unlimited = 0;
     for (uint32_t j = y; j < y + height; ++j) {
@@ -241,12 +234,12 @@ static int make_array_beam(const struct mlrt_source *source, uint32_t x, uint32_
         }
     }
     if (bounds.ray_count == 0) return 0;
-    set_slopes(bounds.direction_lo, bounds.direction_hi, beam);
+    set_slopes(bounds.direction.lo, bounds.direction.hi, beam);
     beam->has_apex = 1;
     for (int k = 0; k < 3; ++k) {
         beam->has_apex &= beam->origin_lo[k] == beam->origin_hi[k];
-        beam->region.lo[k] = mlrt_float_down(bounds.region_lo[k]);
-        beam->region.hi[k] = mlrt_float_up(bounds.region_hi[k]);
+        beam->region.lo[k] = mlrt_float_down(bounds.region[k].lo);
+        beam->region.hi[k] = mlrt_float_up(bounds.region[k].hi);
     }
     return 1;
 }

@@ -15,7 +15,7 @@
 
 #include "base/platform.h"
 #include "base/scheduler.h"
-#include "mlrta/cell.h"
+#include "mlrta/part.h"
 
 /* A leaf's entry count and a child's node number have 30 bits. */
 #define COUNT_LIMIT 0x3FFFFFFFu
@@ -33,6 +33,44 @@
  */
 #define PART_NODE_LIMIT (COUNT_LIMIT / 2)
 
+/* ---- settings ------------------------------------------------------------------------------------------------ */
+
+/*
+ * Intersection cost: with 1, 2.5, 8 a 4x4 packet from the root visits 55.9, 58.3, 59.6 cells of conference and tests
+ * 5.2, 4.1, 3.8 triangles, by 3.2, 6.1, 8.7 nodes per triangle. So leaves that are smaller than those of 2.5 do not
+ * pay.
+ *
+ * Empty factor: expected costs for 1, 0.9, 0.8, 0.7 differ by less than 1 %.
+ *
+ * Minimum cell: with 1e-8, 1e-6, 2e-5, 1e-4, packets visit 64.8, 59.6, 56.9, 55.0 cells of conference and 333, 146,
+ * 42.9, 30.4 of a dense scan (dragon, 7.8 M triangles); at 2e-5 these match the 42.2 that the paper counts for its own
+ * dragon without beams. Build times fall by a third at each step. But leaves grow: frames of a ship seen from inside
+ * (cruiser) take 169, 220, 432 ms at 1e-6, 4e-6, 2e-5, those of the dragon 969, 749, 694 ms. So 1e-6 is a compromise.
+ */
+static const struct mlrt_preset PRESETS[] = {
+    {{1.0, 2.5, 0.9}, 2e-5}, /* MLRT_KDTREE_PAPER */
+    {{1.0, 1.0, 0.9}, 1e-6}, /* MLRT_KDTREE_TUNED */
+};
+
+/*
+ * Options with all defaults resolved. The depth is the usual 8 + 1.3 log2 n, plus 12 levels for empty sides and covered
+ * planes. With 60 levels in its place, expected costs are the same in four digits (erw6, conference, cruiser, dragon, 2
+ * million triangles of rooms). With 36 levels they are at most 0.4 % higher, with 32 up to 4 %, with 28 up to 31 %
+ * (examples/depth.c).
+ */
+static struct mlrt_kdtree_settings resolve_options(const mlrt_kdtree_options *options, uint32_t triangle_count)
+{
+    struct mlrt_kdtree_settings settings = {PRESETS[options->preset], options->rules_off, options->max_depth,
+                                            options->max_references, options->pool};
+    if (options->traversal_cost > 0) settings.preset.model.traversal = options->traversal_cost;
+    if (options->intersection_cost > 0) settings.preset.model.intersection = options->intersection_cost;
+    if (settings.depth_limit == 0) settings.depth_limit = (uint32_t)(20 + 1.3 * log2((double)triangle_count + 1));
+    if (settings.depth_limit > MLRT_DEPTH_LIMIT) settings.depth_limit = MLRT_DEPTH_LIMIT;
+    if (settings.reference_limit == 0) settings.reference_limit = 8 * (uint64_t)triangle_count + 1024;
+    if (settings.reference_limit > UINT32_MAX) settings.reference_limit = UINT32_MAX;
+    return settings;
+}
+
 /* ---- parts --------------------------------------------------------------------------------------------------- */
 
 /* Builds a part with a root that is its node 0. Returns 0 if there is no memory, or the call is cancelled. */
@@ -42,7 +80,7 @@ static int build_part(struct mlrt_kdtree_part *part)
     part->built.node_count = 1;
     if (!mlrt_make_room(build, &part->built.nodes, part->cell.count / 2 + 1, sizeof(struct mlrt_node)) ||
         !mlrt_make_room(build, &part->built.entries, part->cell.count + 1, sizeof(uint32_t)) ||
-        !mlrt_build_cell(part, &part->cell, &part->built.cost))
+        !mlrt_build_cell(part, &part->cell))
         return 0;
     mlrt_release_room(build, &part->built.references, sizeof(struct mlrt_reference));
     return 1;
@@ -80,13 +118,14 @@ static int32_t run_part(void *work, uint32_t item, uint32_t worker)
 {
     struct mlrt_kdtree_build *build = work;
     struct mlrt_kdtree_part *part = mlrt_part_at(build, build->parts.first + item);
+    (void)worker;
     if (part->build == NULL) return 0;
     mlrt_fp_environment environment;
     mlrt_enter_fp_environment(&environment);
     const double share = (double)part->cell.reference_limit / (double)mlrt_part_at(build, 0)->cell.reference_limit;
     part->built.node_limit = (uint32_t)(PART_NODE_LIMIT * share);
-    part->scratch = (struct mlrt_growing_array *)build->scratch.elements + worker;
     const int done = part->lower != 0 ? cut_part(part) : build_part(part);
+    mlrt_release_room(build, &part->built.scratch, sizeof(double));
     mlrt_leave_fp_environment(&environment);
     return done ? 0 : MLRT_ERROR_OUT_OF_MEMORY;
 }
@@ -120,6 +159,7 @@ static void release_part(struct mlrt_kdtree_build *build, struct mlrt_kdtree_par
     mlrt_release_room(build, &part->built.references, sizeof(struct mlrt_reference));
     mlrt_release_room(build, &part->built.nodes, sizeof(struct mlrt_node));
     mlrt_release_room(build, &part->built.entries, sizeof(uint32_t));
+    mlrt_release_room(build, &part->built.scratch, sizeof(double));
 }
 
 /*
@@ -159,9 +199,8 @@ static int join_parts(struct mlrt_kdtree_part *whole, struct mlrt_kdtree_part *p
     const uint32_t offset = whole->built.entry_count;
     if (!mlrt_add_children(whole, part->cell.node, &part->split, &lower->cell.node)) return 0;
     upper->cell.node = lower->cell.node + 1;
-    if (!join_parts(whole, lower) || !join_parts(whole, upper)) return 0;
-    const double costs[2] = {lower->built.cost, upper->built.cost};
-    return mlrt_close_cell(whole, &part->cell, &lower->cell, &upper->cell, costs, offset, &part->built.cost);
+    return join_parts(whole, lower) && join_parts(whole, upper) &&
+           mlrt_close_cell(whole, &part->cell, &lower->cell, &upper->cell, offset);
 }
 
 /* Makes a reference for each triangle that can be hit and returns their number. Counts the other triangles. */
@@ -205,9 +244,6 @@ static void make_safe(struct mlrt_kdtree_part *root)
 /* Makes part 0, whose root is the whole scene. Returns 0 if there is no memory, or the call is cancelled. */
 static int make_root(struct mlrt_kdtree_build *build, struct mlrt_tree *tree)
 {
-    const uint32_t worker_count = mlrt_worker_count(build->settings.pool);
-    if (!mlrt_set_room(build, &build->scratch, worker_count, sizeof(struct mlrt_growing_array))) return 0;
-    memset(build->scratch.elements, 0, worker_count * sizeof(struct mlrt_growing_array));
     if (!mlrt_set_room(build, &build->parts.all, 1, sizeof(struct mlrt_kdtree_part))) return 0;
     struct mlrt_kdtree_part *root = mlrt_part_at(build, 0);
     memset(root, 0, sizeof *root);
@@ -224,14 +260,13 @@ static int make_root(struct mlrt_kdtree_build *build, struct mlrt_tree *tree)
     tree->bounds = cell->box;
     make_safe(root);
     build->scene_area = mlrt_half_area(&cell->box);
-    return !mlrt_is_cancelled_at(root, cell);
+    return !mlrt_is_cancelled(build->progress);
 }
 
 /* Joins the parts. Returns 0 if there is no memory. */
 static int join_all(struct mlrt_kdtree_build *build)
 {
     struct mlrt_kdtree_part *whole = mlrt_part_at(build, 0);
-    whole->scratch = build->scratch.elements;
     if (whole->lower != 0) {
         whole->built.node_count = 1;
         if (!mlrt_make_room(build, &whole->built.nodes, 1, sizeof(struct mlrt_node))) return 0;
@@ -244,10 +279,7 @@ static int join_all(struct mlrt_kdtree_build *build)
 static void release_all(struct mlrt_kdtree_build *build)
 {
     for (uint32_t i = 0; i < build->parts.count; i++) release_part(build, mlrt_part_at(build, i));
-    for (size_t i = 0; i < build->scratch.capacity; i++)
-        mlrt_release_room(build, (struct mlrt_growing_array *)build->scratch.elements + i, sizeof(double));
     mlrt_release_room(build, &build->parts.all, sizeof(struct mlrt_kdtree_part));
-    mlrt_release_room(build, &build->scratch, sizeof(struct mlrt_growing_array));
 }
 
 static void take_result(struct mlrt_kdtree_part *whole, struct mlrt_tree *tree)
@@ -267,7 +299,7 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const void *options, struct mlr
     build.memory = &tree->memory;
     build.triangles = tree->triangles;
     build.progress = progress;
-    build.settings = mlrt_resolve_kdtree_options(options, tree->triangle_count);
+    build.settings = resolve_options(options, tree->triangle_count);
     build.parts.size = tree->triangle_count / PART_SHARE > PART_SIZE ? tree->triangle_count / PART_SHARE : PART_SIZE;
     if (tree->triangle_count > COUNT_LIMIT) return MLRT_ERROR_TOO_LARGE;
     pthread_mutex_init(&build.memory_mutex, NULL);
@@ -278,4 +310,20 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const void *options, struct mlr
     if (!built) return mlrt_is_cancelled(progress) ? MLRT_ERROR_CANCELLED : MLRT_ERROR_OUT_OF_MEMORY;
     mlrt_measure_tree(tree, build.settings.preset.model.traversal, build.settings.preset.model.intersection, progress);
     return mlrt_is_cancelled(progress) ? MLRT_ERROR_CANCELLED : MLRT_OK;
+}
+
+/* ---- expected memory ----------------------------------------------------------------------------------------- */
+
+/*
+ * The nodes and entries of scenes take 9 to 59 bytes per triangle (docs/data/reproduce-5.md), and twice that while they
+ * are built. Entries are limited; each has 4 bytes and, if it is alone in its leaf, 16 bytes of nodes.
+ */
+struct mlrt_demand mlrt_foresee_nodes(const void *options, uint32_t triangle_count)
+{
+    const struct mlrt_kdtree_settings settings = resolve_options(options, triangle_count);
+    const uint64_t guess = 56 * (uint64_t)triangle_count + 64 * 12;
+    const uint64_t most = 4 * settings.reference_limit + 16 * (settings.reference_limit + 1);
+    const uint64_t held = guess < most ? guess : most;
+    const uint64_t triangles = (uint64_t)triangle_count * sizeof(struct mlrt_triangle);
+    return (struct mlrt_demand){triangles + held, 2 * triangles + 2 * held};
 }

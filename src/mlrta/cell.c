@@ -6,7 +6,7 @@
  * Based on: Alexander Reshetov, Alexei Soupikov, Jim Hurley, "Multi-Level Ray Tracing Algorithm", 2005, section 3.1.
  * Wenzel Jakob, Mitsuba renderer, 2010 (bad refinements and retraction).
  */
-#include "mlrta/cell.h"
+#include "mlrta/part.h"
 
 #include <math.h>
 
@@ -36,9 +36,10 @@
  * Room for planes of `count` references: for as many areas, with 2 * count keys behind them, or for 3 * count keys in
  * place of both. NULL if there is no memory.
  */
-static double *find_scratch(const struct mlrt_kdtree_part *part, size_t count)
+static double *find_scratch(struct mlrt_kdtree_part *part, size_t count)
 {
-    return mlrt_make_room(part->build, part->scratch, 2 * count + 1, sizeof(double)) ? part->scratch->elements : NULL;
+    struct mlrt_growing_array *scratch = &part->built.scratch;
+    return mlrt_make_room(part->build, scratch, 2 * count + 1, sizeof(double)) ? scratch->elements : NULL;
 }
 
 /* ---- leaves -------------------------------------------------------------------------------------------------- */
@@ -48,29 +49,29 @@ static double leaf_cost(const struct mlrt_kdtree_build *build, size_t count)
     return build->settings.preset.model.intersection * (double)count;
 }
 
-/* Makes a leaf of the part's last entries, those from `offset` on. Returns 0 if there is no memory. */
-static int set_leaf(struct mlrt_kdtree_part *part, uint32_t node, uint32_t offset, double *cost)
+/* Makes the cell a leaf of the part's last entries, those from `offset` on. Returns 0 if there is no memory. */
+static int set_leaf(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell, uint32_t offset)
 {
     uint32_t count = part->built.entry_count - offset;
     void *spare = find_scratch(part, count);
     if (spare == NULL) return 0;
     count = (uint32_t)mlrt_sort_unique_keys(mlrt_entry_at(part, offset), spare, count);
     part->built.entry_count = offset + count;
-    mlrt_node_at(part, node)->u.offset = offset;
-    mlrt_node_at(part, node)->word = count << 2 | 3;
-    *cost = leaf_cost(part->build, count);
+    mlrt_node_at(part, cell->node)->u.offset = offset;
+    mlrt_node_at(part, cell->node)->word = count << 2 | 3;
+    cell->cost = leaf_cost(part->build, count);
     return 1;
 }
 
 /* Makes the cell a leaf. Returns 0 if there is no memory, or the call is cancelled. */
-static int emit_leaf(struct mlrt_kdtree_part *part, const struct mlrt_kdtree_cell *cell, double *cost)
+static int emit_leaf(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell)
 {
     const uint32_t offset = part->built.entry_count, count = (uint32_t)cell->count;
     if (!mlrt_make_room(part->build, &part->built.entries, (size_t)offset + count, sizeof(uint32_t))) return 0;
     for (uint32_t i = 0; i < count; i++)
         *mlrt_entry_at(part, offset + i) = mlrt_reference_at(part, cell->first + i)->triangle;
     part->built.entry_count += count;
-    return set_leaf(part, cell->node, offset, cost) && !mlrt_advance(part->build->progress, cell->work);
+    return set_leaf(part, cell, offset) && !mlrt_advance(part->build->progress, cell->work);
 }
 
 /* ---- splits -------------------------------------------------------------------------------------------------- */
@@ -115,7 +116,7 @@ static int try_cheapest_split(const struct mlrt_kdtree_build *build, struct mlrt
     return cell->count >= BAD_REFINEMENT_MINIMUM && cell->bad_refinement_count++ < BAD_REFINEMENT_LIMIT;
 }
 
-static enum mlrt_choice choose_split(const struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell,
+static enum mlrt_choice choose_split(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell,
                                      struct mlrt_split *split)
 {
     const struct mlrt_kdtree_build *build = part->build;
@@ -224,7 +225,11 @@ static void deal_out(const struct mlrt_kdtree_part *part, const struct mlrt_kdtr
     above->work = cell->work - below->work;
 }
 
-int mlrt_is_cancelled_at(const struct mlrt_kdtree_part *part, const struct mlrt_kdtree_cell *cell)
+/*
+ * 1 if the call is cancelled, so that a loop over the cell's references may have ended early. Its counts are then too
+ * low, and memory reserved by them too small.
+ */
+static int is_cancelled_at(const struct mlrt_kdtree_part *part, const struct mlrt_kdtree_cell *cell)
 {
     return cell->count >= MLRT_ROUNDS && mlrt_is_cancelled(part->build->progress);
 }
@@ -238,18 +243,18 @@ enum mlrt_choice mlrt_cut_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree
         if (mlrt_advance(part->build->progress, work)) return MLRT_CHOICE_FAILED;
     }
     const enum mlrt_choice choice = choose_split(part, cell, split);
-    if (mlrt_is_cancelled_at(part, cell)) return MLRT_CHOICE_FAILED;
+    if (is_cancelled_at(part, cell)) return MLRT_CHOICE_FAILED;
     if (choice != MLRT_CHOICE_SPLIT) return choice;
     size_t counts[3];
     count_sides(part, cell, split, counts);
     const size_t both = counts[1];
-    if (mlrt_is_cancelled_at(part, cell)) return MLRT_CHOICE_FAILED;
+    if (is_cancelled_at(part, cell)) return MLRT_CHOICE_FAILED;
     if (both > cell->reference_limit - cell->count) return MLRT_CHOICE_LEAF;
     if (!mlrt_make_room(part->build, &part->built.references, cell->first + cell->count + both,
                         sizeof(struct mlrt_reference)))
         return MLRT_CHOICE_FAILED;
     deal_out(part, cell, split, sides);
-    return mlrt_is_cancelled_at(part, cell) ? MLRT_CHOICE_FAILED : MLRT_CHOICE_SPLIT;
+    return is_cancelled_at(part, cell) ? MLRT_CHOICE_FAILED : MLRT_CHOICE_SPLIT;
 }
 
 /* ---- subtrees ------------------------------------------------------------------------------------------------ */
@@ -266,31 +271,28 @@ int mlrt_add_children(struct mlrt_kdtree_part *part, uint32_t node, const struct
     return 1;
 }
 
-int mlrt_close_cell(struct mlrt_kdtree_part *part, const struct mlrt_kdtree_cell *cell,
-                    const struct mlrt_kdtree_cell *below, const struct mlrt_kdtree_cell *above, const double costs[2],
-                    uint32_t offset, double *cost)
+int mlrt_close_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell, const struct mlrt_kdtree_cell *below,
+                    const struct mlrt_kdtree_cell *above, uint32_t offset)
 {
     const struct mlrt_kdtree_build *build = part->build;
-    const double tests = mlrt_half_area(&below->box) * costs[0] + mlrt_half_area(&above->box) * costs[1];
-    *cost = build->settings.preset.model.traversal + tests / mlrt_half_area(&cell->box);
-    if (!mlrt_rule_is_on(build, MLRT_RULE_RETRACTION) || *cost < leaf_cost(build, cell->count)) return 1;
+    const double tests = mlrt_half_area(&below->box) * below->cost + mlrt_half_area(&above->box) * above->cost;
+    cell->cost = build->settings.preset.model.traversal + tests / mlrt_half_area(&cell->box);
+    if (!mlrt_rule_is_on(build, MLRT_RULE_RETRACTION) || cell->cost < leaf_cost(build, cell->count)) return 1;
     part->built.node_count = below->node;
     part->built.retracted_count++;
-    return set_leaf(part, cell->node, offset, cost);
+    return set_leaf(part, cell, offset);
 }
 
-int mlrt_build_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell, double *cost)
+int mlrt_build_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell)
 {
     struct mlrt_split split;
     struct mlrt_kdtree_cell sides[2];
-    double costs[2];
     const uint32_t offset = part->built.entry_count;
     const enum mlrt_choice choice = mlrt_cut_cell(part, cell, &split, sides);
     if (choice == MLRT_CHOICE_FAILED) return 0;
-    if (choice == MLRT_CHOICE_LEAF) return emit_leaf(part, cell, cost);
+    if (choice == MLRT_CHOICE_LEAF) return emit_leaf(part, cell);
     if (!mlrt_add_children(part, cell->node, &split, &sides[0].node)) return 0;
     sides[1].node = sides[0].node + 1;
-    for (int side = 0; side < 2; side++)
-        if (!mlrt_build_cell(part, &sides[side], &costs[side])) return 0;
-    return mlrt_close_cell(part, cell, &sides[0], &sides[1], costs, offset, cost);
+    return mlrt_build_cell(part, &sides[0]) && mlrt_build_cell(part, &sides[1]) &&
+           mlrt_close_cell(part, cell, &sides[0], &sides[1], offset);
 }

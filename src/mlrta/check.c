@@ -31,9 +31,8 @@ static uint64_t hash_tree(const struct mlrt_tree *tree, struct mlrt_progress *pr
 {
     uint64_t hash = HASH_START;
     for (uint32_t i = 0; i < tree->kdtree.node_count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
-        uint32_t first_word;
-        memcpy(&first_word, &tree->kdtree.nodes[i].u, sizeof first_word);
-        hash = hash_word(hash_word(hash, first_word), tree->kdtree.nodes[i].word);
+        const struct mlrt_node *node = &tree->kdtree.nodes[i];
+        hash = hash_word(hash_word(hash, node->u.offset), node->word); /* or the bits of u.split */
     }
     for (uint32_t i = 0; i < tree->kdtree.reference_count && !mlrt_is_cancelled_in_round(progress, i + 1); i++)
         hash = hash_word(hash, tree->kdtree.references[i]);
@@ -84,10 +83,8 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
 {
     mlrt_tree_info *info = &tree->info;
     struct measure measure = {traversal_cost, intersection_cost, mlrt_half_area(&tree->bounds), 0};
-    info->depth = 0;
     info->node_count = tree->kdtree.node_count;
     info->reference_count = tree->kdtree.reference_count;
-    info->leaf_count = info->empty_leaf_count = 0;
     memcpy(info->bounds_min, tree->bounds.lo, sizeof info->bounds_min);
     memcpy(info->bounds_max, tree->bounds.hi, sizeof info->bounds_max);
     if (!measure_node(tree, 0, 0, &tree->bounds, progress, &measure)) return;

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Entry-point search: see entry_point.h.
- */
+/* Entry-point search: see entry_point.h. */
 #include "mlrta/entry_point.h"
 
 #include <string.h>

@@ -73,12 +73,6 @@ MLRT_INLINE struct distance_interval cut_to_box(const struct group_axis axis[3],
     return part;
 }
 
-MLRT_INLINE struct distance_interval box_distances(const struct ray_group *group, const struct mlrt_box *box,
-                                                   struct distance_interval part)
-{
-    return group->has_frustum ? cut_to_box(group->axis, box, part, 1) : cut_to_box(group->axis, box, part, 0);
-}
-
 /* A far child that waits on the stack. */
 struct pending_cell {
     uint32_t node;
@@ -196,7 +190,9 @@ static void traverse_list(const struct mlrt_job *job, const struct entry_list *l
             continue;
         }
         const struct distance_interval ray = {group->range.lo[3], farthest};
-        const struct distance_interval part = box_distances(group, &list->entries[i].box, ray);
+        const struct mlrt_box *box = &list->entries[i].box;
+        const struct distance_interval part =
+            group->has_frustum ? cut_to_box(group->axis, box, ray, 1) : cut_to_box(group->axis, box, ray, 0);
         if (part.lo > part.hi) {
             COUNT(&worker->counters, cell_count, 1);
             continue;

@@ -67,8 +67,6 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const void *options, struct mlr
 /* The work of building per triangle, where copying one is MLRT_COPY_WORK (scene/meshes.h). */
 #define MLRT_KDTREE_WORK 60.0
 
-/* ---- settings.c ----------------------------------------------------------------------------------------------- */
-
 /* Guesses how many bytes mlrt_build_nodes will hold at its end, and at most while it runs. */
 struct mlrt_demand mlrt_foresee_nodes(const void *options, uint32_t triangle_count);
 

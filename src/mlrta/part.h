@@ -8,7 +8,20 @@
 #include "base/platform.h"
 #include "base/progress.h"
 #include "mlrta/kdtree.h"
-#include "mlrta/settings.h"
+#include "mlrta/split.h"
+
+struct mlrt_preset {
+    struct mlrt_cost_model model;
+    double minimum_cell; /* rule 3: cells of less than this part of the scene's surface area are not split */
+};
+
+struct mlrt_kdtree_settings {
+    struct mlrt_preset preset;
+    uint32_t rules_off;
+    uint32_t depth_limit;
+    uint64_t reference_limit;
+    mlrt_pool *pool;
+};
 
 struct mlrt_growing_array {
     void *elements;
@@ -32,8 +45,6 @@ struct mlrt_kdtree_build {
     double scene_area;
     float tiny; /* as in mlrt_clip_halves */
     struct mlrt_progress *progress;
-    struct mlrt_growing_array
-        scratch; /* struct mlrt_growing_array: doubles of a worker, to look for planes and to sort */
     struct mlrt_kdtree_parts parts;
 };
 
@@ -47,6 +58,7 @@ struct mlrt_kdtree_cell {
     size_t count;
     uint64_t reference_limit; /* entries that the leaves of this cell may have in all; at least `count` */
     double work;              /* its share of the progress of the build */
+    double cost;              /* expected for a ray through it: set when its subtree is built */
 };
 
 /* A subtree that one worker builds. */
@@ -54,22 +66,23 @@ struct mlrt_kdtree_subtree {
     struct mlrt_growing_array references; /* struct mlrt_reference: of siblings that wait, then of the current cell */
     struct mlrt_growing_array nodes;      /* struct mlrt_node */
     struct mlrt_growing_array entries;    /* uint32_t */
+    struct mlrt_growing_array scratch;    /* double: to look for planes and to sort */
     uint32_t node_count;
     uint32_t node_limit;
     uint32_t entry_count;
     uint64_t retracted_count;
-    double cost;
 };
 
 /* A part of the tree: a cell that is cut in two, or a subtree. All 0 = not used. */
 struct mlrt_kdtree_part {
     struct mlrt_kdtree_build *build;
-    struct mlrt_growing_array *scratch; /* of the worker that works on it */
-    struct mlrt_kdtree_cell cell;       /* of its root */
+    struct mlrt_kdtree_cell cell; /* of its root */
     uint32_t lower;          /* number of the part that has its lower side; the upper side has the next; 0 = not cut */
     struct mlrt_split split; /* if it is cut */
     struct mlrt_kdtree_subtree built; /* if it is not */
 };
+
+/* ---- part.c ---------------------------------------------------------------------------------------------------- */
 
 /* Changes the number of elements of `size` bytes and keeps the contents. Returns 0 if there is no memory. */
 int mlrt_set_room(struct mlrt_kdtree_build *build, struct mlrt_growing_array *array, size_t count, size_t size);
@@ -103,5 +116,31 @@ MLRT_INLINE int mlrt_rule_is_on(const struct mlrt_kdtree_build *build, uint32_t 
 {
     return (build->settings.rules_off & rule) == 0;
 }
+
+/* ---- cell.c ---------------------------------------------------------------------------------------------------- */
+
+/* What becomes of a cell. FAILED: there is no memory, or the call is cancelled. */
+enum mlrt_choice { MLRT_CHOICE_FAILED, MLRT_CHOICE_LEAF, MLRT_CHOICE_SPLIT };
+
+/* Cuts a cell in two, if that pays. A large cell advances the progress by the work of one of the levels below it. */
+enum mlrt_choice mlrt_cut_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell, struct mlrt_split *split,
+                               struct mlrt_kdtree_cell sides[2]);
+
+/* Adds the children of a node, and sets *first_child to the lower one. Returns 0 if there is no memory. */
+int mlrt_add_children(struct mlrt_kdtree_part *part, uint32_t node, const struct mlrt_split *split,
+                      uint32_t *first_child);
+
+/*
+ * Ends the subtree of a cell, whose sides are built: sets its cost, and if it does not pay, one leaf replaces it. Its
+ * entries are those from `offset` on. Returns 0 if there is no memory.
+ */
+int mlrt_close_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell, const struct mlrt_kdtree_cell *below,
+                    const struct mlrt_kdtree_cell *above, uint32_t offset);
+
+/*
+ * Builds the subtree of a cell, sets its cost, and overwrites its references. Returns 0 if there is no memory, or the
+ * call is cancelled.
+ */
+int mlrt_build_cell(struct mlrt_kdtree_part *part, struct mlrt_kdtree_cell *cell);
 
 #endif

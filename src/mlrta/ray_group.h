@@ -135,32 +135,18 @@ static uint32_t same_sign_lanes(const struct mlrt_packet *packet, uint32_t lanes
     return same;
 }
 
-/* Of `lanes`, those whose vectors differ from that of lane `seed` by at most `limit` along each axis. */
-static uint32_t lanes_within(const float vectors[3][MLRT_PACKET_RAYS], uint32_t lanes, uint32_t seed, float limit)
+/* Of `lanes`, those whose vectors differ from that of the lowest by at most half of `limit` along each axis. */
+static uint32_t lanes_within(const float vectors[3][MLRT_PACKET_RAYS], uint32_t lanes, float limit)
 {
+    const uint32_t seed = mlrt_lowest_bit(lanes);
     uint32_t within = 1u << seed;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vf difference = v_set1(0);
         for (int k = 0; k < 3; ++k)
             difference = v_max(v_abs(v_sub(v_load(vectors[k] + v), v_set1(vectors[k][seed]))), difference);
-        within |= m_bits(v_le(difference, v_set1(limit))) << v;
+        within |= m_bits(v_le(difference, v_set1(0.5f * limit))) << v;
     }
     return lanes & within;
-}
-
-/* Of `lanes`, those whose directions differ from that of the lowest by at most half of `limit`. */
-static uint32_t similar_lanes(const struct mlrt_packet *packet, uint32_t lanes, float limit)
-{
-    const uint32_t seed = mlrt_lowest_bit(lanes);
-    float length = 0;
-    for (int k = 0; k < 3; ++k) length = larger_of(fabsf(packet->direction[k][seed]), length);
-    return lanes_within(packet->direction, lanes, seed, limit * 0.5f * length);
-}
-
-/* Of `lanes`, those whose origins differ from that of the lowest by at most half of GROUP_EXTENT. */
-static uint32_t near_lanes(const struct mlrt_packet *packet, uint32_t lanes, const struct mlrt_box *scene)
-{
-    return lanes_within(packet->origin, lanes, mlrt_lowest_bit(lanes), GROUP_EXTENT * 0.5f * mlrt_extent_of(scene));
 }
 
 /* `lo` and `hi` bound the directions along this axis. */
@@ -230,14 +216,16 @@ static void make_group(const struct mlrt_packet *packet, uint32_t lanes, const s
     float origin[3];
     for (int k = 0; k < 3; ++k) origin[k] = packet->has.apex ? packet->apex[k] : packet->origin[k][first];
     const float limit = GROUP_SPREAD * share_of_scene(origin, scene);
-    if (!packet->has.apex) lanes = near_lanes(packet, lanes, scene);
+    if (!packet->has.apex) lanes = lanes_within(packet->origin, lanes, GROUP_EXTENT * mlrt_extent_of(scene));
     find_range(packet, lanes, range);
     if (MLRT_UNLIKELY(!have_common_signs(range))) {
         lanes = same_sign_lanes(packet, lanes);
         find_range(packet, lanes, range);
     }
     if (MLRT_UNLIKELY(!are_narrow(range, limit))) {
-        lanes = similar_lanes(packet, lanes, limit);
+        float length = 0;
+        for (int k = 0; k < 3; ++k) length = larger_of(fabsf(packet->direction[k][first]), length);
+        lanes = lanes_within(packet->direction, lanes, limit * length);
         find_range(packet, lanes, range);
     }
     group->lanes = lanes;

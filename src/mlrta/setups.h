@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Set-ups of triangles, which a worker keeps for packets from one apex.
- */
+/* Set-ups of triangles, which a worker keeps for packets from one apex. */
 #ifndef MLRT_MLRTA_SETUPS_H
 #define MLRT_MLRTA_SETUPS_H
 

@@ -83,18 +83,6 @@ int mlrt_find_empty_side(const struct mlrt_content *content, struct mlrt_split *
 /* The areas of triangles that cover a rectangle add up to its area but for rounding errors, far below 2^-20 of it. */
 #define COVERED (1 - 0x1p-20)
 
-/* The area that triangles in a plane across the axis must have. */
-static double enough_area(const struct mlrt_content *content, uint32_t axis)
-{
-    return COVERED * cross_section(content->cell, axis);
-}
-
-static int may_be_covered_along(const struct mlrt_content *content, uint32_t axis)
-{
-    const double enough = enough_area(content, axis);
-    return extent(content->cell, axis) > 0 && enough > 0 && content->planar_area[axis] >= enough;
-}
-
 /* Stores the positions of planar references in `keys`, ascending and each once. Returns the number of positions. */
 static size_t gather_planes(const struct mlrt_content *content, uint32_t axis, uint32_t *keys)
 {
@@ -141,8 +129,8 @@ int mlrt_find_covered_plane(const struct mlrt_triangle *triangles, const struct 
     const struct mlrt_box *cell = content->cell;
     double best = -1;
     for (uint32_t k = 0; k < 3; k++) {
-        if (!may_be_covered_along(content, k)) continue;
-        const double enough = enough_area(content, k);
+        const double enough = COVERED * cross_section(cell, k); /* area of triangles in a plane across the axis */
+        if (extent(cell, k) <= 0 || enough <= 0 || content->planar_area[k] < enough) continue;
         const size_t plane_count = gather_planes(content, k, keys);
         measure_planes(triangles, content, k, keys, plane_count, areas);
         for (size_t plane = 0; plane < plane_count; plane++) {

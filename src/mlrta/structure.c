@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The kd-tree as a structure: see job/structure.h.
- */
+/* The kd-tree as a structure: see job/structure.h. */
 #include "job/structure.h"
 
 #include <math.h>

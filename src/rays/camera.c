@@ -44,8 +44,10 @@ static int32_t resolve_length(const char *axis, const char *length, uint32_t who
 
 static int32_t check_numbers(const mlrt_camera *camera)
 {
-    const int is_parallel = mlrt_is_parallel(camera), form = is_parallel ? MLRT_FORM_PARALLEL : MLRT_FORM_PINHOLE;
-    const int32_t status = mlrt_check_fields(form, "camera", 0, camera);
+    const int is_parallel = mlrt_is_parallel(camera);
+    int32_t status = is_parallel ? mlrt_check_fields(MLRT_FORM_DIRECTION, "camera", 0, camera) : MLRT_OK;
+    if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_VIEW, "camera", 0, camera);
+    if (status == MLRT_OK && !is_parallel) status = mlrt_check_fields(MLRT_FORM_EYE, "camera", 0, camera);
     if (status != MLRT_OK) return status;
     if (is_parallel && is_zero_vector(camera->direction))
         return mlrt_fail(MLRT_ERROR_CAMERA, "camera.direction: all of it is 0");

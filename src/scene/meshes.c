@@ -79,24 +79,20 @@ static uint64_t vertex_index(const mlrt_mesh *mesh, size_t triangle, int corner)
     return ((const uint32_t *)(const void *)triple)[corner];
 }
 
-/* Copies a triangle. Returns 0 if an index is out of range: then it is *wrong. */
-static int copy_triangle(const mlrt_mesh *mesh, size_t triangle, struct mlrt_triangle *copy, uint64_t *wrong)
+int32_t mlrt_copy_triangle(const mlrt_mesh *mesh, size_t i, size_t triangle, int is_told, struct mlrt_triangle *copy)
 {
     for (int corner = 0; corner < 3; ++corner) {
-        const uint64_t index = *wrong = vertex_index(mesh, triangle, corner);
-        if (index >= mesh->vertex_count) return 0;
-        memcpy(copy->v[corner], (const unsigned char *)mesh->vertices + (size_t)index * mesh->vertex_stride, 12);
+        const uint64_t index = vertex_index(mesh, triangle, corner);
+        if (index < mesh->vertex_count) {
+            memcpy(copy->v[corner], (const unsigned char *)mesh->vertices + (size_t)index * mesh->vertex_stride, 12);
+            continue;
+        }
+        if (!is_told) return MLRT_ERROR_INDEX_RANGE;
+        return mlrt_fail(
+            MLRT_ERROR_INDEX_RANGE, PATH ", triangle %lu: vertex index %lu is out of range (vertex_count is %lu)",
+            (unsigned long)i, (unsigned long)triangle, (unsigned long)index, (unsigned long)mesh->vertex_count);
     }
-    return 1;
-}
-
-int32_t mlrt_copy_triangle(const mlrt_mesh *mesh, size_t i, size_t triangle, struct mlrt_triangle *copy)
-{
-    uint64_t index;
-    if (copy_triangle(mesh, triangle, copy, &index)) return MLRT_OK;
-    return mlrt_fail(MLRT_ERROR_INDEX_RANGE,
-                     PATH ", triangle %lu: vertex index %lu is out of range (vertex_count is %lu)", (unsigned long)i,
-                     (unsigned long)triangle, (unsigned long)index, (unsigned long)mesh->vertex_count);
+    return MLRT_OK;
 }
 
 /* ---- ids ---- */
@@ -169,11 +165,9 @@ static int32_t copy_chunk(void *work, uint32_t item, uint32_t worker)
     for (uint32_t position = mlrt_mesh_of_triangle(tree, number); number < end; ++position) {
         const mlrt_mesh mesh = mlrt_mesh_at(copying->meshes, position);
         for (; number < end && number < tree->meshes.first[position + 1]; ++number) {
-            const size_t triangle = number - tree->meshes.first[position];
-            uint64_t wrong;
-            if (!copy_triangle(&mesh, triangle, &tree->triangles[number], &wrong))
-                return copying->is_told ? mlrt_copy_triangle(&mesh, position, triangle, &tree->triangles[number])
-                                        : MLRT_ERROR_INDEX_RANGE;
+            const int32_t status = mlrt_copy_triangle(&mesh, position, number - tree->meshes.first[position],
+                                                      copying->is_told, &tree->triangles[number]);
+            if (status != MLRT_OK) return status;
         }
     }
     return mlrt_advance(copying->progress, count * MLRT_COPY_WORK) ? MLRT_ERROR_CANCELLED : MLRT_OK;
@@ -217,7 +211,7 @@ static int allocate_tables(struct mlrt_tree *tree)
     tree->meshes.by_id = mlrt_allocate(&tree->memory, tree->meshes.count, sizeof *tree->meshes.by_id);
     tree->meshes.first = mlrt_allocate(&tree->memory, (size_t)tree->meshes.count + 1, sizeof *tree->meshes.first);
     tree->triangles = mlrt_allocate(&tree->memory, tree->triangle_count, sizeof *tree->triangles);
-    mlrt_read_in_order(tree);
+    mlrt_find_triangles(tree);
     return tree->meshes.ids && tree->meshes.by_id && tree->meshes.first && tree->triangles;
 }
 

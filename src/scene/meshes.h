@@ -19,9 +19,9 @@ int mlrt_have_masks(const mlrt_mesh *meshes, size_t mesh_count);
 
 /*
  * Copies a triangle of a mesh of mlrt_mesh_at, mesh `i`. Returns MLRT_OK, or MLRT_ERROR_INDEX_RANGE if the index of a
- * vertex is out of range.
+ * vertex is out of range, which gets a message if `is_told`.
  */
-int32_t mlrt_copy_triangle(const mlrt_mesh *mesh, size_t i, size_t triangle, struct mlrt_triangle *copy);
+int32_t mlrt_copy_triangle(const mlrt_mesh *mesh, size_t i, size_t triangle, int is_told, struct mlrt_triangle *copy);
 
 /* The work of copying a triangle: the unit of a build's progress. */
 #define MLRT_COPY_WORK 1.0

@@ -75,10 +75,14 @@ struct mlrt_tree {
     mlrt_tree_info info;
 };
 
-/* Lets tree->by_number read the triangles in order. */
-static inline void mlrt_read_in_order(struct mlrt_tree *tree)
+/* Lets tree->by_number read the triangles where they are: in order, or else by their places. */
+static inline void mlrt_find_triangles(struct mlrt_tree *tree)
 {
-    tree->by_number = (struct mlrt_triangles){tree->triangles ? tree->triangles->v[0] : NULL, NULL, 0, 1};
+    const struct mlrt_bvh *bvh = &tree->bvh;
+    const float *ordered = tree->triangles ? tree->triangles->v[0] : NULL;
+    tree->by_number = (struct mlrt_triangles){ordered, NULL, 0, 1};
+    if (!ordered && bvh->places)
+        tree->by_number = (struct mlrt_triangles){bvh->corners, bvh->places, bvh->leaf_quad_count, 1 / bvh->unit};
 }
 
 /* Returns an empty tree, allocated from `memory`, which it keeps; NULL if out of memory. */

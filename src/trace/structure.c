@@ -14,8 +14,11 @@
 static int32_t build(struct mlrt_tree *tree, const void *options, struct mlrt_progress *progress)
 {
     const int32_t status = mlrt_build_bvh(tree, options, progress);
-    if (status == MLRT_OK) mlrt_drop_order(tree);
-    return status;
+    if (status != MLRT_OK || !tree->bvh.places) return status;
+    mlrt_free(&tree->memory, tree->triangles, tree->triangle_count, sizeof *tree->triangles);
+    tree->triangles = NULL; /* leaves have them */
+    mlrt_find_triangles(tree);
+    return MLRT_OK;
 }
 
 /* Quads of leaves are there if nodes are, and others if places are. */
@@ -26,8 +29,6 @@ static const char *take(struct mlrt_tree *tree)
         (!bvh->places && bvh->leaf_quad_count < bvh->quad_count) || bvh->node_count > MLRT_BVH_NODE_LIMIT) {
         return "counts that no tree has";
     }
-    if (!bvh->places) return NULL;
-    mlrt_read_by_places(tree);
     return mlrt_check_places(tree);
 }
 
