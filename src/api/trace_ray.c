@@ -16,8 +16,8 @@
 /* Sets what of a ray follows from options, which were checked; NULL = defaults. */
 MLRT_INLINE void set_lone_ray(const mlrt_ray *ray, const mlrt_trace_options *options, struct mlrt_lone_ray *lone)
 {
-    lone->given_origin = ray->origin;
-    lone->given_direction = ray->direction;
+    lone->given.origin = ray->origin;
+    lone->given.direction = ray->direction;
     lone->any = options ? options->query : 0;
     lone->mask = options && options->mask ? options->mask : MLRT_MASK_ALL;
 }

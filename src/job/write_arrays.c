@@ -140,8 +140,8 @@ void mlrt_set_result(const struct mlrt_tree *tree, const struct mlrt_lone_ray *r
 {
     struct mlrt_ray_segment segment = {.t_max = INFINITY, .mask = MLRT_MASK_ALL};
     if (!ray->any) {
-        memcpy(segment.origin, ray->given_origin, sizeof segment.origin);
-        memcpy(segment.direction, ray->given_direction, sizeof segment.direction);
+        memcpy(segment.origin, ray->given.origin, sizeof segment.origin);
+        memcpy(segment.direction, ray->given.direction, sizeof segment.direction);
         mlrt_set_hit(tree, &segment, number, MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, hit);
     }
     hit->occluded = number != MLRT_NONE;

@@ -29,15 +29,16 @@ struct mlrt_lone_ray {
     int any;       /* any hit will do */
     int in_units;  /* 1 = the vectors above are in units, by these powers, which are not set otherwise */
     struct mlrt_ray_powers powers;
-    /* The vectors as they were given. They stay until the ray is traced. */
-    const float *given_origin;
-    const float *given_direction;
+    struct {
+        const float *origin;
+        const float *direction;
+    } given; /* the vectors as they were given, which stay until the ray is traced */
 };
 
 /* Sets a ray as it is traced in double. Returns 0 if it can hit nothing. */
 static inline int mlrt_get_lone_segment(const struct mlrt_lone_ray *ray, struct mlrt_ray_segment *segment)
 {
-    if (!mlrt_make_segment(ray->given_origin, ray->given_direction, ray->t_min, ray->t_max, segment)) return 0;
+    if (!mlrt_make_segment(ray->given.origin, ray->given.direction, ray->t_min, ray->t_max, segment)) return 0;
     segment->mask = ray->mask;
     return 1;
 }

@@ -185,8 +185,8 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
         float room[3];
         mlrt_read_ray(source, ray_of_lane(source, x, y, lanes, lane), room, &ray);
         for (int k = 0; k < 3; ++k) {
-            packet->origin[k][lane] = ray.given_origin[k];
-            packet->direction[k][lane] = ray.given_direction[k];
+            packet->origin[k][lane] = ray.given.origin[k];
+            packet->direction[k][lane] = ray.given.direction[k];
         }
         packet->t_min[lane] = ray.t_min;
         packet->t_max[lane] = ray.t_max;

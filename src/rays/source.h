@@ -114,7 +114,7 @@ MLRT_INLINE uint32_t mlrt_mask_of_ray(const struct mlrt_source *source, uint32_t
 /* Sets the fields of *ray that mlrt_read_ray leaves alone where a source has no array for them. */
 MLRT_INLINE void mlrt_begin_rays(const struct mlrt_source *source, struct mlrt_lone_ray *ray)
 {
-    ray->given_origin = ray->given_direction = source->light;
+    ray->given.origin = ray->given.direction = source->light;
     ray->t_min = 0;
     ray->t_max = source->kind == MLRT_SOURCE_POINT_LIGHT ? 1 : INFINITY;
     ray->mask = source->common_mask;
@@ -130,15 +130,15 @@ MLRT_INLINE void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, flo
     const uint32_t origin = mlrt_element_of_ray(i, source->arrays.rays_per_origin);
     const float *point = mlrt_element(&source->arrays.points, origin);
     if (MLRT_LIKELY(source->kind == MLRT_SOURCE_RAYS)) {
-        ray->given_origin = point;
-        ray->given_direction = mlrt_element(&source->arrays.directions, i);
+        ray->given.origin = point;
+        ray->given.direction = mlrt_element(&source->arrays.directions, i);
         if (source->arrays.t_min.data) ray->t_min = *mlrt_element(&source->arrays.t_min, origin);
         if (source->arrays.t_max.data) ray->t_max = *mlrt_element(&source->arrays.t_max, i);
     } else if (source->kind == MLRT_SOURCE_POINT_LIGHT) {
         for (int k = 0; k < 3; ++k) room[k] = point[k] - source->light[k];
-        ray->given_direction = room;
+        ray->given.direction = room;
     } else {
-        ray->given_origin = point;
+        ray->given.origin = point;
     }
     if (source->arrays.mask.data) ray->mask = mlrt_mask_of_ray(source, i);
     if (!source->arrays.skip.data) return;

@@ -25,7 +25,7 @@ void mlrt_trace_by_ray(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, m
 /* Sets the numbers of a ray, and says what is known of it. */
 MLRT_INLINE enum mlrt_lone_ray_kind take_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray)
 {
-    return mlrt_take_lone_ray(&tree->bvh, ray->given_origin, ray->given_direction, ray->t_min, ray->t_max, ray);
+    return mlrt_take_lone_ray(&tree->bvh, ray->given.origin, ray->given.direction, ray->t_min, ray->t_max, ray);
 }
 
 /* Traces a ray that was taken. */

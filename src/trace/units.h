@@ -214,7 +214,7 @@ static void fill_lone_packet(struct mlrt_packet *packet, struct mlrt_worker *wor
     fill_lane(ray->origin, ray->direction, ray, packet);
     if (worker->scaled) {
         struct mlrt_packet *given = worker->scaled->given;
-        fill_lane(ray->given_origin, ray->given_direction, ray, given);
+        fill_lane(ray->given.origin, ray->given.direction, ray, given);
         given->t_min[0] = ray->t_min;
         given->nearest.lo[0] = given->nearest.hi[0] = ray->t_max;
         given->nearest.triangle[0] = MLRT_NONE;
