@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "scene/tree.h"
 #include "support.h"
 
 /* Odd triangles, relative to a scene in [-1, 1]^3. */
@@ -182,6 +183,35 @@ static void odd_triangles_have_close_neighbours(void **state)
             draw_point(&random, 0, 1, to);
             to[2] = 1 + slope * to[0];
             add_ray_towards(&list, from, to);
+        }
+        check_rays(&fixture, &list);
+        free_rays(&list);
+        free_fixture(&fixture);
+    }
+}
+
+/*
+ * Hits whose t is about the least normal float in units, where floats below it lie as far apart as those above, and
+ * half as far apart as given. The plane z + s x = 2^-126, of a triangle at the origin, is met at 2^-126 / (1 + s / 4096).
+ */
+static void distances_about_the_least_normal_float(void **state)
+{
+    (void)state;
+    enum { SCALE = 57 };
+    for (int eighths = 1; eighths <= 24; eighths++) {
+        struct random random = {(uint64_t)eighths};
+        struct soup soup = {0};
+        struct ray_list list = {0};
+        const float s = ldexpf((float)eighths, -15), size = 0x1p-113f, z = 0x1p-126f;
+        const float tiny[3][3] = {{-size, -size, z + s * size}, {size, -size, z - s * size}, {0, 2 * size, z}};
+        soup_add_random(&soup, &random, 40, 1, 0.2f);
+        soup_add_triangle(&soup, tiny[0], tiny[1], tiny[2]);
+        for (size_t i = 0; i < 9 * soup.count; i++) soup.corners[i] = ldexpf(soup.corners[i], SCALE);
+        struct fixture fixture = fixture_of_soup("a tiny triangle", (uint64_t)eighths, &soup);
+        assert_true(fixture.tree->bvh.unit != 1);
+        for (int sign = -1; sign <= 1; sign++) {
+            const float origin[3] = {0, 0, 0}, direction[3] = {(float)sign * 0x1p-12f, 0, 1};
+            add_ray(&list, origin, direction);
         }
         check_rays(&fixture, &list);
         free_rays(&list);
@@ -487,6 +517,7 @@ int main(void)
         cmocka_unit_test(test_scales),
         cmocka_unit_test(test_odd_triangles),
         cmocka_unit_test(odd_triangles_have_close_neighbours),
+        cmocka_unit_test(distances_about_the_least_normal_float),
         cmocka_unit_test(test_odd_triangles_stay_local),
         cmocka_unit_test(test_scales_have_one_tree),
         cmocka_unit_test(test_far_origins),
