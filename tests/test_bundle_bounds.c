@@ -1108,10 +1108,10 @@ static double attack_apart(const float *input)
     mlrt_set_plane(&triangles[0], &plane);
     set_scale(1, 1);
     for (int at_end = 0; at_end < 2; at_end++) {
-        double to_a[3];
-        const struct measured_lanes n = measure_n(&plane, &tile.packets[0], 0, to_a);
-        const struct measured_lanes end = measure_end(&plane, &tile.packets[0], tile.packets[0].t_max, 0, &n);
-        const struct measured_lanes height = at_end ? end : n;
+        struct measured_lanes n, height;
+        measure_n(&plane, &tile.packets[0], 0, &n);
+        height = n;
+        if (at_end) measure_end(&plane, &tile.packets[0], tile.packets[0].t_max, 0, &n, &height);
         find_d(0);
         mpf_set_d(other, at_end ? tile.packets[0].t_max[0] : 0);
         mpf_mul(other, other, truth);
@@ -1121,7 +1121,7 @@ static double attack_apart(const float *input)
         worst = fmax(worst, fabs(error_over(height.value, CLOSE_ERROR * height.size)));
         for (int sign = -1; sign < 2; sign += 2) {
             const float *t = at_end ? tile.packets[0].t_max : NULL;
-            const struct sides_of_plane sides = find_sides_of_plane(&plane, &tile.packets[0], t, sign);
+            const struct sides_of_plane sides = find_sides_of_plane(&plane, &tile.packets[0], t, sign, &n);
             if (sides.before & 1 && mpf_sgn(truth) * sign <= 0) return INFINITY;
             if (sides.behind & 1 && mpf_sgn(truth) * sign >= 0) return INFINITY;
         }
@@ -1139,7 +1139,7 @@ static double attack_close_call(const float *input)
     set_close_triangle(&triangles[0], &tile.packets[0], &triangle);
     bound_quotient(&triangle, &tile.packets[0], 0, &bounds);
     bound_edges(&triangle, &bounds, &tile.packets[0], 0, value_of, bound);
-    const double sign = copysign(1, bounds.d.value);
+    const double sign = copysign(1, bounds.d);
     set_scale(1, 1);
     find_d(0);
     turn_back(sign);

@@ -7,7 +7,6 @@
 #include <stddef.h>
 
 #include "base/platform.h"
-#include "exact/triangle.h"
 
 struct mlrt_vector {
     double x, y, z;
@@ -66,25 +65,6 @@ MLRT_INLINE void mlrt_cross_with_sizes(const double p[3], const double q[3], dou
         cross[k] = r - s;
         size[k] = fabs(r) + fabs(s);
     }
-}
-
-/* The plane of a triangle abc: the point a, b - a, c - a, n, and the sizes of the components of n. */
-struct mlrt_plane {
-    double point[3];
-    double ab[3];
-    double ac[3];
-    double normal[3];
-    double size[3];
-};
-
-static inline void mlrt_set_plane(const struct mlrt_triangle *triangle, struct mlrt_plane *plane)
-{
-    for (int k = 0; k < 3; ++k) {
-        plane->point[k] = triangle->v[0][k];
-        plane->ab[k] = triangle->v[1][k] - plane->point[k];
-        plane->ac[k] = triangle->v[2][k] - plane->point[k];
-    }
-    mlrt_cross_with_sizes(plane->ab, plane->ac, plane->normal, plane->size);
 }
 
 #endif

@@ -38,10 +38,8 @@
 #define MLRT_HITS_CLOSE_CALLS_H
 
 #include <float.h>
-#include <math.h>
 
 #include "exact/rounding.h"
-#include "exact/vector.h"
 #include "hits/outcome.h"
 #include "hits/undecided.h"
 #include "job/write_arrays.h"
@@ -53,81 +51,70 @@
 #define DOUBLE_LANES   ((1u << DW) - 1)
 #define DOUBLE_VECTORS (MLRT_PACKET_RAYS / DW)
 
-/* A number of DW lanes, and the size that its error is relative to. */
-struct measured_lanes {
-    vd value;
-    vd size;
-};
-
-/* A triangle, and p and N: of all lanes if they have an apex, else of the vector that was tested last. */
+/* The vectors and determinants of a triangle, DW lanes of each. */
 struct close_triangle {
-    struct mlrt_plane plane;
-    vd to_a[3];
-    struct measured_lanes n;
+    vd a[3];
+    vd ab[3];
+    vd ac[3];
+    vd normal[3];
+    vd normal_size[3];
+    vd to_a[3]; /* p, N and its size: of all lanes if they have an apex, else of the vector that was tested last */
+    vd n;
+    vd n_size;
 };
 
 /* N and D between bounds, with the sign of D. */
 struct close_bounds {
-    struct measured_lanes d;
+    vd d;
+    vd d_size;
     vd least_n;
     vd greatest_n;
     vd least_d;
     vd greatest_d;
 };
 
-/* The dot product of a vector of each lane, whose size is given, and one that all lanes share. */
-MLRT_INLINE struct measured_lanes measure_product(const vd a[3], const vd a_size[3], const double b[3],
-                                                  const double b_size[3])
+/* A cross product of magnitudes, where the difference of two products becomes their sum. */
+MLRT_INLINE void cross_product_of_sizes(const vd a[3], const vd b[3], vd cross[3])
 {
-    struct measured_lanes product = {d_set1(0), d_set1(0)};
-    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        product.value = d_mul_add(a[k], d_set1(b[k]), product.value);
-        product.size = d_mul_add(a_size[k], d_set1(b_size[k]), product.size);
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        cross[k] = d_add(d_abs(d_mul(a[i], b[j])), d_abs(d_mul(a[j], b[i])));
     }
-    return product;
 }
 
-/* Returns N for the DW lanes from `lane` on, and sets `to_a` to p. */
-MLRT_INLINE struct measured_lanes measure_n(const struct mlrt_plane *plane, const struct mlrt_packet *packet,
-                                            uint32_t lane, vd to_a[3])
+/* Sets p, N and the size of N for the DW lanes from `lane` on. */
+MLRT_INLINE void place_origin(const struct mlrt_packet *packet, uint32_t lane, struct close_triangle *triangle)
 {
-    vd size[3];
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        to_a[k] = d_sub(d_set1(plane->point[k]), origins_in_double(packet, k, lane));
-        size[k] = d_abs(to_a[k]);
-    }
-    return measure_product(to_a, size, plane->normal, plane->size);
-}
-
-/* Likewise D. */
-MLRT_INLINE struct measured_lanes measure_d(const struct mlrt_plane *plane, const struct mlrt_packet *packet,
-                                            uint32_t lane)
-{
-    vd direction[3], size[3];
-    load_directions(packet, lane, direction);
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) size[k] = d_abs(direction[k]);
-    return measure_product(direction, size, plane->normal, plane->size);
+    for (int k = 0; k < 3; ++k) triangle->to_a[k] = d_sub(triangle->a[k], origins_in_double(packet, k, lane));
+    triangle->n = dot_product_of_doubles(triangle->to_a, triangle->normal);
+    triangle->n_size = dot_product_of_sizes(triangle->to_a, triangle->normal_size);
 }
 
 static MLRT_NOINLINE void set_close_triangle(const struct mlrt_triangle *corners, const struct mlrt_packet *packet,
                                              struct close_triangle *triangle)
 {
-    mlrt_set_plane(corners, &triangle->plane);
-    if (packet->has.apex) triangle->n = measure_n(&triangle->plane, packet, 0, triangle->to_a);
+    for (int k = 0; k < 3; ++k) {
+        triangle->a[k] = d_set1(corners->v[0][k]);
+        triangle->ab[k] = d_sub(d_set1(corners->v[1][k]), triangle->a[k]);
+        triangle->ac[k] = d_sub(d_set1(corners->v[2][k]), triangle->a[k]);
+    }
+    cross_product_of_doubles(triangle->ab, triangle->ac, triangle->normal);
+    cross_product_of_sizes(triangle->ab, triangle->ac, triangle->normal_size);
+    if (packet->has.apex) place_origin(packet, 0, triangle);
 }
 
 /* Bounds N and D for the DW lanes from `lane` on. */
 static MLRT_NOINLINE void bound_quotient(struct close_triangle *triangle, const struct mlrt_packet *packet,
                                          uint32_t lane, struct close_bounds *bounds)
 {
-    if (!packet->has.apex) triangle->n = measure_n(&triangle->plane, packet, lane, triangle->to_a);
-    bounds->d = measure_d(&triangle->plane, packet, lane);
+    if (!packet->has.apex) place_origin(packet, lane, triangle);
     const vd error = d_set1(CLOSE_ERROR);
-    const vd n = d_flip(triangle->n.value, bounds->d.value), n_error = d_mul(error, triangle->n.size);
-    const vd size = d_abs(bounds->d.value), d_error = d_mul(error, bounds->d.size);
+    vd direction[3];
+    load_directions(packet, lane, direction);
+    bounds->d = dot_product_of_doubles(direction, triangle->normal);
+    bounds->d_size = dot_product_of_sizes(direction, triangle->normal_size);
+    const vd n = d_flip(triangle->n, bounds->d), n_error = d_mul(error, triangle->n_size);
+    const vd size = d_abs(bounds->d), d_error = d_mul(error, bounds->d_size);
     bounds->least_n = d_sub(n, n_error);
     bounds->greatest_n = d_add(n, n_error);
     bounds->least_d = d_sub(size, d_error);
@@ -138,27 +125,19 @@ static MLRT_NOINLINE void bound_quotient(struct close_triangle *triangle, const 
 MLRT_INLINE void bound_edges(const struct close_triangle *triangle, const struct close_bounds *bounds,
                              const struct mlrt_packet *packet, uint32_t lane, vd edge[3], vd bound[3])
 {
-    const struct mlrt_plane *plane = &triangle->plane;
     const vd error = d_set1(CLOSE_ERROR), zero = d_set1(0);
     vd direction[3], moment[3], moment_size[3];
-    double ab_size[3], ac_size[3];
     load_directions(packet, lane, direction);
-    for (int k = 0; k < 3; ++k) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        const vd first = d_mul(triangle->to_a[i], direction[j]), second = d_mul(triangle->to_a[j], direction[i]);
-        moment[k] = d_sub(first, second);
-        moment_size[k] = d_add(d_abs(first), d_abs(second));
-        ab_size[k] = fabs(plane->ab[k]);
-        ac_size[k] = fabs(plane->ac[k]);
-    }
-    const struct measured_lanes ab = measure_product(moment, moment_size, plane->ab, ab_size);
-    const struct measured_lanes ac = measure_product(moment, moment_size, plane->ac, ac_size);
-    const vd bc = d_sub(ac.value, d_add(bounds->d.value, ab.value));
-    const vd bc_size = d_add(d_add(bounds->d.size, ab.size), ac.size);
-    edge[0] = d_flip(ab.value, bounds->d.value);
-    edge[1] = d_flip(bc, bounds->d.value);
-    edge[2] = d_flip(d_sub(zero, ac.value), bounds->d.value);
-    bound[0] = d_mul(error, ab.size), bound[1] = d_mul(error, bc_size), bound[2] = d_mul(error, ac.size);
+    cross_product_of_doubles(triangle->to_a, direction, moment);
+    cross_product_of_sizes(triangle->to_a, direction, moment_size);
+    const vd ab = dot_product_of_doubles(triangle->ab, moment);
+    const vd ca = d_sub(zero, dot_product_of_doubles(triangle->ac, moment));
+    const vd bc = d_sub(zero, d_add(d_add(bounds->d, ab), ca));
+    const vd ab_size = dot_product_of_sizes(triangle->ab, moment_size);
+    const vd ca_size = dot_product_of_sizes(triangle->ac, moment_size);
+    const vd bc_size = d_add(d_add(bounds->d_size, ab_size), ca_size);
+    edge[0] = d_flip(ab, bounds->d), edge[1] = d_flip(bc, bounds->d), edge[2] = d_flip(ca, bounds->d);
+    bound[0] = d_mul(error, ab_size), bound[1] = d_mul(error, bc_size), bound[2] = d_mul(error, ca_size);
 }
 
 /*

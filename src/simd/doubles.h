@@ -22,6 +22,12 @@ MLRT_INLINE vd dot_product_of_doubles(const vd a[3], const vd b[3])
     return d_add(d_add(d_mul(a[0], b[0]), d_mul(a[1], b[1])), d_mul(a[2], b[2]));
 }
 
+/* The dot product of the magnitudes of a, and b, which is a vector of sizes. */
+MLRT_INLINE vd dot_product_of_sizes(const vd a[3], const vd b[3])
+{
+    return d_add(d_add(d_mul(d_abs(a[0]), b[0]), d_mul(d_abs(a[1]), b[1])), d_mul(d_abs(a[2]), b[2]));
+}
+
 /* The sum of the magnitudes of the components. */
 MLRT_INLINE vd size_of_doubles(const vd a[3]) { return d_add(d_add(d_abs(a[0]), d_abs(a[1])), d_abs(a[2])); }
 

@@ -278,6 +278,8 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
     const uint32_t number = leaf->numbers[triangle];
     const struct mlrt_triangle corners = triangle_of_leaf(tree, leaf, triangle);
     struct mlrt_plane plane;
+    struct measured_lanes n = {d_set1(0), d_set1(0)};
+    const float *apex = NULL; /* of `n` */
     uint32_t apart = 0;
     mlrt_set_plane(&corners, &plane);
     if (bundle->waist.sign < 0) backward = ~backward;
@@ -286,8 +288,12 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
         const struct mlrt_packet *packet = &bundle->tile->packets[place];
         const uint32_t lanes = packet->active & ~skipping_lanes(bundle, place, number);
         const int is_end = at_end >> place & 1;
+        if (packet->has.apex && (!apex || memcmp(apex, packet->apex, sizeof packet->apex) != 0)) {
+            apex = packet->apex;
+            measure_n(&plane, packet, 0, &n);
+        }
         const struct sides_of_plane sides =
-            find_sides_of_plane(&plane, packet, is_end ? packet->t_max : NULL, backward >> place & 1 ? -1 : 1);
+            find_sides_of_plane(&plane, packet, is_end ? packet->t_max : NULL, backward >> place & 1 ? -1 : 1, &n);
         if (!(lanes & ~(is_end ? sides.before : sides.behind))) apart |= places & (0u - places);
     }
     return apart;

@@ -11,14 +11,42 @@
 #define MLRT_TRACE_PLANE_SIDES_H
 
 #include "hits/close_calls.h"
+#include "simd/doubles.h"
+#include "trace/planes.h"
 
-/* N - t D of a plane, given N. */
-MLRT_INLINE struct measured_lanes measure_end(const struct mlrt_plane *plane, const struct mlrt_packet *packet,
-                                              const float *t, uint32_t lane, const struct measured_lanes *n)
+/* A number of DW lanes, and the size that its error is relative to. */
+struct measured_lanes {
+    vd value;
+    vd size;
+};
+
+/* Sets N of a plane. */
+MLRT_INLINE void measure_n(const struct mlrt_plane *plane, const struct mlrt_packet *packet, uint32_t lane,
+                           struct measured_lanes *n)
 {
-    const struct measured_lanes d = measure_d(plane, packet, lane);
+    n->value = n->size = d_set1(0);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vd to = d_sub(d_set1(plane->point[k]), origins_in_double(packet, k, lane));
+        n->value = d_mul_add(to, d_set1(plane->normal[k]), n->value);
+        n->size = d_mul_add(d_abs(to), d_set1(plane->size[k]), n->size);
+    }
+}
+
+/* Sets N - t D of a plane. */
+MLRT_INLINE void measure_end(const struct mlrt_plane *plane, const struct mlrt_packet *packet, const float *t,
+                             uint32_t lane, const struct measured_lanes *n, struct measured_lanes *height)
+{
     const vd end = d_load(t + lane);
-    return (struct measured_lanes){d_sub(n->value, d_mul(end, d.value)), d_mul_add(end, d.size, n->size)};
+    vd d = d_set1(0), d_size = d;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vd direction = d_load(packet->direction[k] + lane);
+        d = d_mul_add(direction, d_set1(plane->normal[k]), d);
+        d_size = d_mul_add(d_abs(direction), d_set1(plane->size[k]), d_size);
+    }
+    height->value = d_sub(n->value, d_mul(end, d));
+    height->size = d_mul_add(end, d_size, n->size);
 }
 
 /* On which side of a plane the rays of a packet are, each at a t of its own. */
@@ -27,17 +55,20 @@ struct sides_of_plane {
     uint32_t behind; /* rays that are surely past it: N / D < t */
 };
 
-/* Finds the sides of a plane by the sign of N - t D in double. `sign` is that of D. With t NULL, t is 0. */
+/*
+ * Finds the sides of a plane by the sign of N - t D in double. `sign` is that of D. With t NULL, t is 0. If the packet
+ * has an apex, *of_apex must be N of the apex.
+ */
 MLRT_INLINE struct sides_of_plane find_sides_of_plane(const struct mlrt_plane *plane, const struct mlrt_packet *packet,
-                                                      const float *t, double sign)
+                                                      const float *t, double sign, const struct measured_lanes *of_apex)
 {
     const vd error = d_set1(CLOSE_ERROR), signs = d_set1(sign);
     struct sides_of_plane sides = {0, 0};
-    vd to_a[3];
-    struct measured_lanes n = measure_n(plane, packet, 0, to_a);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
-        if (!packet->has.apex) n = measure_n(plane, packet, lane, to_a);
-        const struct measured_lanes height = t ? measure_end(plane, packet, t, lane, &n) : n;
+        struct measured_lanes n = *of_apex;
+        if (!packet->has.apex) measure_n(plane, packet, lane, &n);
+        struct measured_lanes height = n;
+        if (t) measure_end(plane, packet, t, lane, &n, &height);
         const vd value = d_flip(height.value, signs), bound = d_mul(height.size, error);
         sides.before |= d_gt(value, bound) << lane;
         sides.behind |= d_gt(d_sub(d_set1(0), value), bound) << lane;

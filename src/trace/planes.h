@@ -17,6 +17,24 @@
 #include "scene/tree.h"
 #include "trace/bundle.h"
 
+/* The plane of a triangle: a point of it, n, and the sizes of the components of n. */
+struct mlrt_plane {
+    double point[3];
+    double normal[3];
+    double size[3];
+};
+
+static inline void mlrt_set_plane(const struct mlrt_triangle *triangle, struct mlrt_plane *plane)
+{
+    double ab[3], ac[3];
+    for (int k = 0; k < 3; ++k) {
+        plane->point[k] = triangle->v[0][k];
+        ab[k] = triangle->v[1][k] - plane->point[k];
+        ac[k] = triangle->v[2][k] - plane->point[k];
+    }
+    mlrt_cross_with_sizes(ab, ac, plane->normal, plane->size);
+}
+
 /* |a_z| + (|a_j| + |a_l|) / 2: for C or its errors, the sum of |coefficient| |term| if both slopes are 1/2. */
 static inline double mlrt_weigh(const double a[3])
 {

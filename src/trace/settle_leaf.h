@@ -144,8 +144,10 @@ static MLRT_NOINLINE uint32_t settle_ends(const struct mlrt_tree *tree, const st
     const struct mlrt_triangle corners = triangle_of_leaf(tree, leaf, triangle);
     mlrt_set_plane(&corners, &plane);
     const float *t = at_end ? packet->t_max : packet->has.limits ? packet->t_min : NULL;
+    struct measured_lanes n;
+    measure_n(&plane, packet, 0, &n);
     const struct sides_of_plane sides =
-        find_sides_of_plane(&plane, packet, t, is_backward ? -bundle->waist.sign : bundle->waist.sign);
+        find_sides_of_plane(&plane, packet, t, is_backward ? -bundle->waist.sign : bundle->waist.sign, &n);
     vm farther, nearer;
     compare_planes(of, hits, &farther, &nearer);
     const uint32_t missed = (at_end ? sides.before : sides.behind) >> v & those;
