@@ -13,8 +13,7 @@
  * determinants.h, with u = 2^-53, a determinant as computed is off by at most gamma_8 times the true size (e_bc:
  * gamma_9 times the sum of three). A size as computed has at most 8 factors (e_bc: 10), so it is at least (1 - u)^10 of
  * the true one. That makes 8.001 u and 9.001 u of the computed size. If a size is 0, all six products are 0, and so is
- * the determinant: nothing here underflows (determinants.h, "RANGE"). Where a processor multiplies and adds at once,
- * there are fewer roundings.
+ * the determinant: nothing here underflows (determinants.h, "RANGE").
  *
  * BOUNDS. In signs that make D positive, let E = 12 u s(N) and W = 12 u s(D). N -+ E and D -+ W have one more rounding
  * each, of at most 1.001 u of the size, and that of the bound, of less than 0.001 u: so they are bounds of the true
