@@ -274,6 +274,16 @@ void mlrt_apply_spatial_split(const struct mlrt_bvh_build *build, const struct m
 /* Cuts a portion in two and returns 1. Returns 0 if the portion becomes a leaf, or the call is cancelled. */
 int mlrt_cut_portion(struct mlrt_bvh_build *build, struct mlrt_portion *portion, struct mlrt_portion sides[2]);
 
+/* ---- collapse.c ------------------------------------------------------------------------------------------------ */
+
+/* Sets choices and costs of a binary node without children, of 1 to 16 triangles. */
+void mlrt_choose_leaf(const struct mlrt_bvh_build *build, struct mlrt_binary_node *node,
+                      struct mlrt_forest_costs *result);
+
+/* Sets choices and costs of a binary node with two children, from the costs of these. */
+void mlrt_choose_cut(const struct mlrt_bvh_build *build, const struct mlrt_forest_costs children[2],
+                     struct mlrt_binary_node *node, struct mlrt_forest_costs *result);
+
 /* ---- binary.c -------------------------------------------------------------------------------------------------- */
 
 /* Builds the binary hierarchy over all references, and chooses what its nodes become. Returns a status. */
