@@ -2,7 +2,7 @@
 /*
  * The builder of the hierarchy of boxes. references.c makes a box for each triangle. binary.c cuts sets of these
  * references in two, again and again: the result is a binary hierarchy. cut.c cuts a set, within its limits, where
- * split.c or spatial_split.c say. binary.c chooses which binary nodes become nodes of sixteen, too, and write.c writes
+ * split.c or spatial_split.c say. collapse.c chooses which of its nodes become nodes of sixteen, and write.c writes
  * these in depth-first order. Here are the settings of a build, its memory, its steps, and its report.
  *
  * The result does not depend on the number of threads: a set is split according to its references and its shares of
