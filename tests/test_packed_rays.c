@@ -447,7 +447,7 @@ static void one_ray_of_a_tile(void **state)
         free_rays(&list);
         free_fixture(&fixture);
     }
-    assert_true(uniform > 300);
+    assert_true(uniform > scaled(300));
 }
 
 /* ---- packets ----------------------------------------------------------------------------------------------------- */
