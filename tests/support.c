@@ -889,6 +889,24 @@ mlrt_hits public_hits(struct reference_hit *hits, size_t row)
     return out;
 }
 
+mlrt_hit_lists public_lists(struct list_element *elements, struct list_totals *totals, uint32_t capacity)
+{
+    const size_t stride = sizeof *elements;
+    mlrt_hit_lists lists = {.struct_size = sizeof lists,
+                            .capacity = capacity,
+                            .total = {&totals->total, sizeof *totals, 0},
+                            .crossing_total = {&totals->crossing_total, sizeof *totals, 0}};
+    if (capacity == 0) return lists;
+    lists.t = (mlrt_array){&elements->hit.t, stride, 0};
+    lists.u = (mlrt_array){&elements->hit.u, stride, 0};
+    lists.v = (mlrt_array){&elements->hit.v, stride, 0};
+    lists.mesh = (mlrt_array){&elements->hit.mesh, stride, 0};
+    lists.triangle = (mlrt_array){&elements->hit.triangle, stride, 0};
+    lists.facing = (mlrt_array){&elements->hit.facing, stride, 0};
+    lists.crossing = (mlrt_array){&elements->crossing, stride, 0};
+    return lists;
+}
+
 /* ---- single rays and packets ------------------------------------------------------------------------------------- */
 
 struct reference_hit trace_one(const mlrt_tree *tree, const struct reference_ray *ray,

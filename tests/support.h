@@ -124,6 +124,21 @@ mlrt_rays public_rays(const struct ray_list *list);
 /* Results into an array of struct reference_hit, with `row` of them per row of pixels (0 = plain). */
 mlrt_hits public_hits(struct reference_hit *hits, size_t row);
 
+/* One of all hits of a ray, as the library writes it. */
+struct list_element {
+    struct reference_hit hit;
+    uint8_t crossing;
+    uint8_t unused[3];
+};
+
+struct list_totals {
+    uint32_t total;
+    uint32_t crossing_total;
+};
+
+/* Results of all hits into these arrays: `capacity` elements and one struct of totals for each ray. */
+mlrt_hit_lists public_lists(struct list_element *elements, struct list_totals *totals, uint32_t capacity);
+
 /* ---- ways of tracing --------------------------------------------------------------------------------------------- */
 
 struct variant {

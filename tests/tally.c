@@ -141,23 +141,12 @@ void tally_rays(struct tally *tally, const struct fixture *fixture, const struct
 
 enum { LIST_CAPACITY = 4 };
 
-/* One of all hits, as the library writes it, and how many there are. */
-struct list_element {
-    struct reference_hit hit;
-    uint8_t crossing;
-};
-
-struct list_totals {
-    uint32_t hits;
-    uint32_t crossings;
-};
-
 static int same_lists(const struct reference_list_hit *expected, const struct reference_totals *expected_totals,
                       const struct list_element *got, const struct list_totals *got_totals)
 {
     static const struct reference_list_hit miss = {{INFINITY, 0, 0, MLRT_NONE, MLRT_NONE, 0}, 0};
-    int same =
-        got_totals->hits == expected_totals->hit_count && got_totals->crossings == expected_totals->crossing_count;
+    int same = got_totals->total == expected_totals->hit_count &&
+               got_totals->crossing_total == expected_totals->crossing_count;
     for (size_t j = 0; j < LIST_CAPACITY; j++) {
         const struct reference_list_hit *wanted = j < expected_totals->hit_count ? &expected[j] : &miss;
         same &= same_hit(&wanted->hit, &got[j].hit) && got[j].crossing == wanted->crossing;
@@ -170,21 +159,10 @@ void tally_lists(struct tally *tally, const struct fixture *fixture, const struc
     struct list_element *elements = allocate_or_fail(list->count * LIST_CAPACITY, sizeof *elements);
     struct list_totals *totals = allocate_or_fail(list->count, sizeof *totals);
     const mlrt_tree *const trees[] = {fixture->tree, fixture->kdtree};
-    const size_t stride = sizeof *elements;
     const mlrt_rays rays = public_rays(list);
-    const mlrt_hit_lists lists = {.struct_size = sizeof lists,
-                                  .capacity = LIST_CAPACITY,
-                                  .t = {&elements->hit.t, stride, 0},
-                                  .u = {&elements->hit.u, stride, 0},
-                                  .v = {&elements->hit.v, stride, 0},
-                                  .mesh = {&elements->hit.mesh, stride, 0},
-                                  .triangle = {&elements->hit.triangle, stride, 0},
-                                  .facing = {&elements->hit.facing, stride, 0},
-                                  .crossing = {&elements->crossing, stride, 0},
-                                  .total = {&totals->hits, sizeof *totals, 0},
-                                  .crossing_total = {&totals->crossings, sizeof *totals, 0}};
+    const mlrt_hit_lists lists = public_lists(elements, totals, LIST_CAPACITY);
     for (size_t n = 0; n < 2; n++) {
-        memset(elements, 0xA5, list->count * LIST_CAPACITY * stride);
+        memset(elements, 0xA5, list->count * LIST_CAPACITY * sizeof *elements);
         memset(totals, 0xA5, list->count * sizeof *totals);
         assert_int_equal(mlrt_trace_all_hits(trees[n], &rays, NULL, &lists), MLRT_OK);
         for (size_t i = 0; i < list->count; i++) {

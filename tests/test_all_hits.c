@@ -14,38 +14,8 @@
 
 /* ---- lists ------------------------------------------------------------------------------------------------------- */
 
-/* One element of the library's lists; strides lead from one to the next. */
-struct element {
-    struct reference_hit hit;
-    uint8_t crossing;
-    uint8_t unused[3];
-};
-
-struct totals {
-    uint32_t total;
-    uint32_t crossing_total;
-};
-
-static mlrt_hit_lists lists_of(struct element *elements, struct totals *totals, uint32_t capacity)
-{
-    const size_t stride = sizeof *elements;
-    mlrt_hit_lists lists = {.struct_size = sizeof lists,
-                            .capacity = capacity,
-                            .total = {&totals->total, sizeof *totals, 0},
-                            .crossing_total = {&totals->crossing_total, sizeof *totals, 0}};
-    if (capacity == 0) return lists;
-    lists.t = (mlrt_array){&elements->hit.t, stride, 0};
-    lists.u = (mlrt_array){&elements->hit.u, stride, 0};
-    lists.v = (mlrt_array){&elements->hit.v, stride, 0};
-    lists.mesh = (mlrt_array){&elements->hit.mesh, stride, 0};
-    lists.triangle = (mlrt_array){&elements->hit.triangle, stride, 0};
-    lists.facing = (mlrt_array){&elements->hit.facing, stride, 0};
-    lists.crossing = (mlrt_array){&elements->crossing, stride, 0};
-    return lists;
-}
-
 static void check_list(const struct fixture *fixture, const struct ray_list *list, size_t i,
-                       const struct element *elements, uint32_t capacity, struct totals got)
+                       const struct list_element *elements, uint32_t capacity, struct list_totals got)
 {
     static const struct reference_hit miss = {INFINITY, 0, 0, MLRT_NONE, MLRT_NONE, 0};
     const struct reference_ray *ray = &list->rays[i];
@@ -69,12 +39,12 @@ static void check_list(const struct fixture *fixture, const struct ray_list *lis
 static void check_lists_of(const mlrt_tree *tree, const struct fixture *fixture, const struct ray_list *list,
                            uint32_t capacity, uint32_t threads)
 {
-    struct element *elements = allocate_or_fail(list->count * capacity, sizeof *elements);
-    struct totals *totals = allocate_or_fail(list->count, sizeof *totals);
+    struct list_element *elements = allocate_or_fail(list->count * capacity, sizeof *elements);
+    struct list_totals *totals = allocate_or_fail(list->count, sizeof *totals);
     memset(elements, 0xA5, list->count * capacity * sizeof *elements);
     memset(totals, 0xA5, list->count * sizeof *totals);
     mlrt_rays rays = public_rays(list);
-    mlrt_hit_lists lists = lists_of(elements, totals, capacity);
+    mlrt_hit_lists lists = public_lists(elements, totals, capacity);
     mlrt_trace_options options = {.struct_size = sizeof options, .pool = shared_pool(threads)};
     assert_int_equal(mlrt_trace_all_hits(tree, &rays, &options, &lists), MLRT_OK);
     for (size_t i = 0; i < list->count; i++) check_list(fixture, list, i, elements + i * capacity, capacity, totals[i]);
@@ -138,11 +108,11 @@ static void the_first_of_all_is_the_closest(void **state)
     soup_add_random(&soup, &random, 300, 1, 0.5f);
     struct fixture fixture = fixture_of_soup("random", 3, &soup);
     add_mixed_rays(&list, &random, &fixture, scaled(1200), -2, 2);
-    struct element *elements = allocate_or_fail(list.count, sizeof *elements);
-    struct totals *totals = allocate_or_fail(list.count, sizeof *totals);
+    struct list_element *elements = allocate_or_fail(list.count, sizeof *elements);
+    struct list_totals *totals = allocate_or_fail(list.count, sizeof *totals);
     struct reference_hit *closest = allocate_or_fail(list.count, sizeof *closest);
     mlrt_rays rays = public_rays(&list);
-    mlrt_hit_lists lists = lists_of(elements, totals, 1);
+    mlrt_hit_lists lists = public_lists(elements, totals, 1);
     mlrt_hits hits = public_hits(closest, 0);
     assert_int_equal(mlrt_trace_all_hits(fixture.tree, &rays, NULL, &lists), MLRT_OK);
     assert_int_equal(mlrt_trace_packet(fixture.tree, &rays, NULL, &hits), MLRT_OK);
@@ -167,16 +137,16 @@ static void arrays_that_are_not_wanted(void **state)
     struct fixture fixture = fixture_of_soup("random", 4, &soup);
     add_aimed_rays(&list, &random, &fixture, 50, -2, 2);
     mlrt_rays rays = public_rays(&list);
-    struct element elements[2 * 50];
-    struct totals totals[50];
+    struct list_element elements[2 * 50];
+    struct list_totals totals[50];
     for (int missing = 0; missing < 9; missing++) {
-        struct element expected[2 * 50];
-        struct totals expected_totals[50];
+        struct list_element expected[2 * 50];
+        struct list_totals expected_totals[50];
         memset(elements, 0xA5, sizeof elements);
         memset(totals, 0xA5, sizeof totals);
         memset(expected, 0xA5, sizeof expected);
         memset(expected_totals, 0xA5, sizeof expected_totals);
-        mlrt_hit_lists all = lists_of(expected, expected_totals, 2), lists = lists_of(elements, totals, 2);
+        mlrt_hit_lists all = public_lists(expected, expected_totals, 2), lists = public_lists(elements, totals, 2);
         mlrt_array *const arrays[] = {&lists.t,        &lists.u,        &lists.v,
                                       &lists.mesh,     &lists.triangle, &lists.facing,
                                       &lists.crossing, &lists.total,    &lists.crossing_total};
@@ -247,8 +217,8 @@ static void memory_that_fails_is_never_a_list_without_hits(void **state)
         const mlrt_trace_options options = {.struct_size = sizeof options, .host = &host};
         int32_t status = MLRT_ERROR_OUT_OF_MEMORY;
         while (status != MLRT_OK) {
-            struct totals totals = {7, 7};
-            const mlrt_hit_lists lists = lists_of(NULL, &totals, 0);
+            struct list_totals totals = {7, 7};
+            const mlrt_hit_lists lists = public_lists(NULL, &totals, 0);
             memory.allocation_count = 0;
             ++memory.fail_at;
             status = mlrt_trace_all_hits(trees[way / 2], &rays, &options, &lists);
@@ -273,13 +243,13 @@ static void wrong_arguments(void **state)
     (void)state;
     struct soup soup = {0};
     struct ray_list list = {0};
-    struct totals totals[1];
+    struct list_totals totals[1];
     const float origin[3] = {0, 0, 0}, direction[3] = {0, 0, 1};
     soup_add_icosphere(&soup, 0, 1);
     struct fixture fixture = fixture_of_soup("icosahedron", 5, &soup);
     add_ray(&list, origin, direction);
     mlrt_rays rays = public_rays(&list);
-    mlrt_hit_lists lists = lists_of(NULL, totals, 0), unset = lists;
+    mlrt_hit_lists lists = public_lists(NULL, totals, 0), unset = lists;
     unset.struct_size = 0;
     assert_int_equal(mlrt_trace_all_hits(NULL, &rays, NULL, &lists), MLRT_ERROR_ARGUMENT);
     assert_int_equal(mlrt_trace_all_hits(fixture.tree, NULL, NULL, &lists), MLRT_ERROR_ARGUMENT);
@@ -296,8 +266,8 @@ static void arrays_that_cannot_be(void **state)
     (void)state;
     struct soup soup = {0};
     struct ray_list list = {0};
-    struct element element;
-    struct totals totals;
+    struct list_element element;
+    struct list_totals totals;
     const float origin[3] = {0, 0, 0}, direction[3] = {0, 0, 1};
     soup_add_icosphere(&soup, 0, 1);
     struct fixture fixture = fixture_of_soup("icosahedron", 6, &soup);
@@ -305,10 +275,10 @@ static void arrays_that_cannot_be(void **state)
     mlrt_rays rays = public_rays(&list);
     memset(&element, 0xA5, sizeof element);
     memset(&totals, 0xA5, sizeof totals);
-    const struct element untouched = element;
-    const struct totals untouched_totals = totals;
+    const struct list_element untouched = element;
+    const struct list_totals untouched_totals = totals;
     for (int a = 0; a < 9; a++) {
-        mlrt_hit_lists lists = lists_of(&element, &totals, 1);
+        mlrt_hit_lists lists = public_lists(&element, &totals, 1);
         mlrt_array *const arrays[] = {&lists.t,        &lists.u,        &lists.v,
                                       &lists.mesh,     &lists.triangle, &lists.facing,
                                       &lists.crossing, &lists.total,    &lists.crossing_total};
@@ -342,13 +312,13 @@ static void rays_and_options_that_cannot_be(void **state)
     (void)state;
     struct soup soup = {0};
     struct ray_list list = {0};
-    struct totals totals;
+    struct list_totals totals;
     const float origin[3] = {0, 0, 0}, direction[3] = {0, 0, 1};
     soup_add_icosphere(&soup, 0, 1);
     struct fixture fixture = fixture_of_soup("icosahedron", 7, &soup);
     add_ray(&list, origin, direction);
     const mlrt_rays good = public_rays(&list);
-    const mlrt_hit_lists lists = lists_of(NULL, &totals, 0);
+    const mlrt_hit_lists lists = public_lists(NULL, &totals, 0);
     mlrt_rays rays = good;
     rays.struct_size--;
     assert_int_equal(mlrt_trace_all_hits(fixture.tree, &rays, NULL, &lists), MLRT_ERROR_STRUCT_SIZE);
@@ -378,12 +348,12 @@ static void no_rays_at_all(void **state)
     struct soup soup = {0};
     soup_add_icosphere(&soup, 0, 1);
     struct fixture fixture = fixture_of_soup("icosahedron", 8, &soup);
-    struct element element;
-    struct totals totals;
+    struct list_element element;
+    struct list_totals totals;
     memset(&totals, 0xA5, sizeof totals);
-    const struct totals untouched = totals;
+    const struct list_totals untouched = totals;
     const mlrt_rays rays = {.struct_size = sizeof rays};
-    const mlrt_hit_lists lists = lists_of(&element, &totals, UINT32_MAX);
+    const mlrt_hit_lists lists = public_lists(&element, &totals, UINT32_MAX);
     assert_int_equal(mlrt_trace_all_hits(fixture.tree, &rays, NULL, &lists), MLRT_OK);
     assert_memory_equal(&totals, &untouched, sizeof totals);
     free_fixture(&fixture);
@@ -402,10 +372,10 @@ static void packed_arrays(void **state)
     soup_add_random(&soup, &random, 100, 1, 0.7f);
     struct fixture fixture = fixture_of_soup("random", 9, &soup);
     add_mixed_rays(&list, &random, &fixture, 300, -2, 2);
-    struct element *elements = allocate_or_fail(list.count * capacity, sizeof *elements);
-    struct totals *totals = allocate_or_fail(list.count, sizeof *totals);
+    struct list_element *elements = allocate_or_fail(list.count * capacity, sizeof *elements);
+    struct list_totals *totals = allocate_or_fail(list.count, sizeof *totals);
     const mlrt_rays rays = public_rays(&list);
-    const mlrt_hit_lists whole = lists_of(elements, totals, capacity);
+    const mlrt_hit_lists whole = public_lists(elements, totals, capacity);
     assert_int_equal(mlrt_trace_all_hits(fixture.tree, &rays, NULL, &whole), MLRT_OK);
     const mlrt_array *const wholes[] = {&whole.t,        &whole.u,        &whole.v,
                                         &whole.mesh,     &whole.triangle, &whole.facing,
@@ -501,9 +471,9 @@ static void check_parity(const struct fixture *fixture, const float point[3], in
     struct ray_list list = {0};
     add_rays_from(&list, &random, fixture, point);
     check_lists(fixture, &list, 3, 0);
-    struct totals *totals = allocate_or_fail(list.count, sizeof *totals);
+    struct list_totals *totals = allocate_or_fail(list.count, sizeof *totals);
     mlrt_rays rays = public_rays(&list);
-    mlrt_hit_lists lists = lists_of(NULL, totals, 0);
+    mlrt_hit_lists lists = public_lists(NULL, totals, 0);
     assert_int_equal(mlrt_trace_all_hits(fixture->tree, &rays, NULL, &lists), MLRT_OK);
     for (size_t i = 0; i < list.count; i++) {
         if ((int)(totals[i].crossing_total % 2) == odd && totals[i].crossing_total <= totals[i].total) continue;

@@ -7,7 +7,7 @@
 #include <string.h>
 
 struct mlrt_ray_powers {
-    float direction;    /* brings the greatest component of the direction to 1 .. 2 */
+    float direction;    /* brings the greatest component of the direction to 1 .. 2; or 1 */
     float time;         /* t in units is t as given times this */
     float inverse_time; /* 1 / time */
 };
@@ -44,12 +44,10 @@ static inline int mlrt_find_ray_powers(float greatest, float unit, struct mlrt_r
     return is_normal;
 }
 
-/*
- * Sets *begin and *end to a range of t in units. Underflow changes t by less than 2^-126, so the range is made wider by
- * that, which is negligible beside DISTANCE_FLOOR (hits/triangle_filter.h).
- */
+/* Underflow changes t in units by less than this. It is negligible beside DISTANCE_FLOOR (hits/triangle_filter.h). */
 #define MLRT_TIME_SPARE 0x1p-126f
 
+/* Sets *begin and *end to a range of t in units, made wider by MLRT_TIME_SPARE. */
 static inline void mlrt_scale_range(float t_min, float t_max, float time, float *begin, float *end)
 {
     const float least = t_min * time - MLRT_TIME_SPARE;
