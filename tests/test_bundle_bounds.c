@@ -111,7 +111,7 @@ static void depths_of_few_rays_may_underflow(void **state)
 {
     static const float ways[3][2] = {{0, 1}, {0, -1}, {1, 0}};
     (void)state;
-    for (uint64_t seed = 0; seed < scaled(24); seed++) {
+    for (uint64_t seed = 0; seed < scaled(14); seed++) {
         struct random random = {seed * 0x10001 + 7};
         struct soup soup = {0};
         struct ray_list list = {0};
@@ -166,7 +166,7 @@ static void places_may_underflow(void **state)
 static void reciprocals_may_overflow(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < scaled(16); seed++) {
+    for (uint64_t seed = 0; seed < scaled(8); seed++) {
         struct random random = {seed * 0x10001 + 3};
         struct soup soup = {0};
         struct ray_list list = {0};

@@ -481,13 +481,13 @@ static size_t save_kdtree(const mlrt_mesh *mesh, const mlrt_kdtree_options *opti
 static void test_threads_change_nothing(void **state)
 {
     (void)state;
-    static const char *const names[] = {"room", "doubled", "scan:40000"};
+    static const char *const names[] = {"room", "doubled", "scan:20000"};
     static const uint32_t thread_counts[] = {1, 2, 3, 8};
     static const mlrt_kdtree_options builds[] = {
         {.preset = MLRT_KDTREE_PAPER}, {.preset = MLRT_KDTREE_TUNED}, {.rules_off = 31},
         {.traversal_cost = 1000},      {.max_references = 60000},     {.max_depth = 4},
     };
-    for (size_t s = 0; s < sizeof names / sizeof *names - SANITIZED; s++) {
+    for (size_t s = 0; s < (SANITIZED ? 1 : sizeof names / sizeof *names); s++) {
         struct scene scene;
         assert_int_equal(load_scene(names[s], &scene), 0);
         const mlrt_mesh mesh = {.struct_size = sizeof mesh,

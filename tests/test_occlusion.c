@@ -387,7 +387,7 @@ static void scenes_of_every_scale(void **state)
         soup_add_random(&soup, &random, 150, 1, 0.3f);
         move_soup(&soup, scales[i], zero);
         struct fixture fixture = fixture_of_soup("scaled", 70 + i, &soup);
-        struct points points = make_points(scaled(500));
+        struct points points = make_points(scaled(400));
         for (size_t p = 0; p < points.count; p++) draw_point(&random, -scales[i], scales[i], points.positions + 3 * p);
         mlrt_light lights[] = {light_at(0.1f * scales[i], 0.2f * scales[i], 2 * scales[i]), light_from(1, -2, 0.5f)};
         check(&fixture, &points, &lights[0]);
@@ -627,7 +627,7 @@ static void points_between_doubled_walls(void **state)
 {
     (void)state;
     static const uint32_t mosts[] = {0, 1, 2, 3, 60, 1000};
-    for (uint64_t seed = 1; seed <= scaled(80); seed++) {
+    for (uint64_t seed = 1; seed <= scaled(48); seed++) {
         struct random random = {seed};
         struct soup soup = {0};
         float corner[3], side[3] = {0}, other_side[3] = {0}, chip[3][3], middle[3];
@@ -717,7 +717,7 @@ static void add_screen(struct soup *soup, struct random *random, const uint32_t 
 static void points_behind_a_screen(void **state)
 {
     (void)state;
-    for (uint64_t seed = 1; seed <= scaled(40); seed++) {
+    for (uint64_t seed = 1; seed <= scaled(24); seed++) {
         struct random random = {seed};
         struct soup soup = {0};
         const uint32_t first = draw_below(&random, 3), axes[3] = {first, (first + 1) % 3, (first + 2) % 3};
