@@ -732,7 +732,7 @@ static void points_behind_a_screen(void **state)
             point[axes[1]] = (float)(i / SCREEN_SIDE);
             point[axes[2]] = 40 - 10 * side;
             if (draw_below(&random, 2000) == 0) point[axes[2]] = 40 + 20 * side;
-            if (skips && draw_below(&random, 200) == 0) { /* of what hides the point, if that is a triangle's number */
+            if (skips && draw_below(&random, 40) == 0) { /* of what hides the point, if that is a triangle's number */
                 const size_t cell = SCREEN_CELLS * (i % SCREEN_SIDE / SCREEN_PITCH) + i / SCREEN_SIDE / SCREEN_PITCH;
                 points.skip[2 * i] = 0;
                 points.skip[2 * i + 1] = 2 * (uint32_t)cell + draw_below(&random, 2);
