@@ -29,6 +29,7 @@ struct mlrt_lone_ray {
     int any;       /* any hit will do */
     int in_units;  /* 1 = the vectors above are in units, by these powers, which are not set otherwise */
     struct mlrt_ray_powers powers;
+    float begin, end; /* t_min and t_max in units, if in_units */
     struct {
         const float *origin;
         const float *direction;

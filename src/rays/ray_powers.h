@@ -21,6 +21,14 @@ static inline float mlrt_power_of_two(uint32_t exponent_bits)
     return power;
 }
 
+/* 1 / power, if both are normal floats */
+static inline float mlrt_inverse_of_power(float power)
+{
+    uint32_t bits;
+    memcpy(&bits, &power, sizeof bits);
+    return mlrt_power_of_two(254 - (bits >> 23));
+}
+
 /* Are a float with this exponent and its reciprocal both normal? */
 static inline int mlrt_is_normal_exponent(uint32_t exponent_bits)
 {

@@ -32,7 +32,8 @@ MLRT_INLINE void begin_lone_search(const struct mlrt_tree *tree, const struct ml
     float begin = ray->t_min, end = ray->t_max;
     search->worker.scaled = NULL;
     if (MLRT_UNLIKELY(ray->in_units)) {
-        mlrt_scale_range(ray->t_min, ray->t_max, ray->powers.time, &begin, &end);
+        begin = ray->begin;
+        end = ray->end;
         search->scaled.given = &search->given;
         search->worker.scaled = &search->scaled;
     }
