@@ -219,6 +219,38 @@ static void distances_about_the_least_normal_float(void **state)
     }
 }
 
+/*
+ * Rays from origins with a component that is not 0 as given, but would be in units. In units two triangles at
+ * z = 3 * 2^-127 are 2^-149 / 3 + x apart where y = 0: which comes first depends on that component.
+ */
+static void origins_that_underflow_in_units(void **state)
+{
+    (void)state;
+    enum { SCALE = 57 };
+    for (int order = 0; order < 2; order++) {
+        struct random random = {(uint64_t)order + 1};
+        struct soup soup = {0};
+        struct ray_list list = {0};
+        const float s = 0x1p-128f, z = 3 * 0x1p-127f;
+        const float flat[3][3] = {{-s, -s, z}, {s, -s, z}, {0, 2 * s, z}};
+        const float slanted[3][3] = {{-s, -s, z - s}, {s, -s, z + s}, {0, 2 * s, z + 0x1p-149f}};
+        soup_add_random(&soup, &random, 40, 1, 0.2f);
+        if (order) soup_add_triangle(&soup, flat[0], flat[1], flat[2]);
+        soup_add_triangle(&soup, slanted[0], slanted[1], slanted[2]);
+        if (!order) soup_add_triangle(&soup, flat[0], flat[1], flat[2]);
+        for (size_t i = 0; i < 9 * soup.count; i++) soup.corners[i] = ldexpf(soup.corners[i], SCALE);
+        struct fixture fixture = fixture_of_soup("two tiny triangles", (uint64_t)order, &soup);
+        assert_true(fixture.tree->bvh.unit != 1);
+        for (int sign = -1; sign <= 1; sign++) {
+            const float origin[3] = {(float)sign * 0x1p-93f, 0, 0}, direction[3] = {0, 0, 1};
+            add_ray(&list, origin, direction);
+        }
+        check_rays(&fixture, &list);
+        free_rays(&list);
+        free_fixture(&fixture);
+    }
+}
+
 /* ---- counts ------------------------------------------------------------------------------------------------------ */
 
 static mlrt_counters count_rays(const struct fixture *fixture, const struct ray_list *list, int32_t query)
@@ -518,6 +550,7 @@ int main(void)
         cmocka_unit_test(test_odd_triangles),
         cmocka_unit_test(odd_triangles_have_close_neighbours),
         cmocka_unit_test(distances_about_the_least_normal_float),
+        cmocka_unit_test(origins_that_underflow_in_units),
         cmocka_unit_test(test_odd_triangles_stay_local),
         cmocka_unit_test(test_scales_have_one_tree),
         cmocka_unit_test(test_far_origins),
