@@ -27,9 +27,11 @@ struct mlrt_lone_ray {
     uint32_t mask;
     uint32_t skip; /* the number of a triangle that the ray passes through, or MLRT_NONE */
     int any;       /* any hit will do */
-    int in_units;  /* 1 = the vectors above are in units, by these powers, which are not set otherwise */
-    struct mlrt_ray_powers powers;
-    float begin, end; /* t_min and t_max in units, if in_units */
+    int in_units;  /* 1 = the vectors above are in units, and `units` is set */
+    struct {
+        struct mlrt_ray_powers powers;
+        float begin, end; /* t_min and t_max */
+    } units;
     struct {
         const float *origin;
         const float *direction;

@@ -18,23 +18,23 @@ enum mlrt_lone_ray_kind mlrt_take_ray_in_units(const struct mlrt_bvh *bvh, const
     if (!(t_min < t_max)) return MLRT_LONE_RAY_MISSES;
     /* Two usual kinds of rays, since the greatest component takes long to find: lengths near 1, and those of scenes. */
     if (are_near_one(direction)) {
-        ray->powers = (struct mlrt_ray_powers){1, bvh->unit, mlrt_inverse_of_power(bvh->unit)};
+        ray->units.powers = (struct mlrt_ray_powers){1, bvh->unit};
     } else if (are_near_one(direction = f4_mul(given, f4_set1(bvh->unit)))) {
-        ray->powers = (struct mlrt_ray_powers){bvh->unit, 1, 1};
+        ray->units.powers = (struct mlrt_ray_powers){bvh->unit, 1};
     } else {
-        if (!mlrt_find_ray_powers(f4_greatest_of(f4_abs(given), 0), bvh->unit, &ray->powers)) {
+        if (!mlrt_find_ray_powers(f4_greatest_of(f4_abs(given), 0), bvh->unit, &ray->units.powers)) {
             return MLRT_LONE_RAY_NOT_CARRIED;
         }
-        direction = f4_mul(given, f4_set1(ray->powers.direction));
+        direction = f4_mul(given, f4_set1(ray->units.powers.direction));
     }
     /* A product with a power of two rounds only if it is denormal or 0. mlrt_take_vectors wants normal floats or 0. */
     if (f4_zeros(origin) != f4_zeros(as_given) || f4_zeros(direction) != f4_zeros(given)) {
         return MLRT_LONE_RAY_NOT_CARRIED;
     }
-    mlrt_scale_range(t_min, t_max, ray->powers.time, &ray->begin, &ray->end);
-    if (ray->begin > LATEST_END) return MLRT_LONE_RAY_NOT_CARRIED;
+    mlrt_scale_range(t_min, t_max, ray->units.powers.time, &ray->units.begin, &ray->units.end);
+    if (ray->units.begin > LATEST_END) return MLRT_LONE_RAY_NOT_CARRIED;
     const enum mlrt_lone_ray_kind kind =
-        mlrt_take_vectors(&bvh->whole, bvh->reach, origin, direction, ray->begin, ray->end, ray);
+        mlrt_take_vectors(&bvh->whole, bvh->reach, origin, direction, ray->units.begin, ray->units.end, ray);
     ray->t_min = t_min;
     ray->t_max = t_max;
     ray->in_units = 1;

@@ -7,49 +7,38 @@
 #include <string.h>
 
 struct mlrt_ray_powers {
-    float direction;    /* brings the greatest component of the direction to 1 .. 2; or 1 */
-    float time;         /* t in units is t as given times this */
-    float inverse_time; /* 1 / time */
+    float direction; /* times this, the direction has a greatest component near 1 */
+    float time;      /* t in units is t as given times this */
 };
 
-/* 2^(exponent_bits - 127), of a normal float */
-static inline float mlrt_power_of_two(uint32_t exponent_bits)
+/* Powers of two within LEAST and its reciprocal are normal floats, as are their reciprocals. */
+#define MLRT_LEAST_RAY_POWER 0x1p-125f
+
+/* The greatest power of two that is at most x, a positive normal float. Other numbers give 0 or inf. */
+static inline float mlrt_power_within(float x)
 {
-    const uint32_t bits = exponent_bits << 23;
+    uint32_t bits;
     float power;
+    memcpy(&bits, &x, sizeof bits);
+    bits &= 0x7F800000u;
     memcpy(&power, &bits, sizeof power);
     return power;
 }
 
-/* 1 / power, if both are normal floats */
-static inline float mlrt_inverse_of_power(float power)
+static inline int mlrt_is_ray_power(float power)
 {
-    uint32_t bits;
-    memcpy(&bits, &power, sizeof bits);
-    return mlrt_power_of_two(254 - (bits >> 23));
-}
-
-/* Are a float with this exponent and its reciprocal both normal? */
-static inline int mlrt_is_normal_exponent(uint32_t exponent_bits)
-{
-    return exponent_bits - 2 <= 250;
+    return power >= MLRT_LEAST_RAY_POWER && power <= 1 / MLRT_LEAST_RAY_POWER;
 }
 
 /*
- * Finds the powers of a ray, given the greatest magnitude of its direction's components. Returns 0, and sets all to 1,
- * if they or their reciprocals are not normal floats.
+ * Finds the powers of a ray, given the greatest magnitude of its direction's components. Returns 0 if they or their
+ * reciprocals are not normal floats.
  */
 static inline int mlrt_find_ray_powers(float greatest, float unit, struct mlrt_ray_powers *powers)
 {
-    uint32_t bits, unit_bits;
-    memcpy(&bits, &greatest, sizeof bits);
-    memcpy(&unit_bits, &unit, sizeof unit_bits);
-    const uint32_t exponent = bits >> 23, time = exponent + (unit_bits >> 23) - 127;
-    const int is_normal = mlrt_is_normal_exponent(exponent) && mlrt_is_normal_exponent(time);
-    powers->direction = is_normal ? mlrt_power_of_two(254 - exponent) : 1;
-    powers->time = is_normal ? mlrt_power_of_two(time) : 1;
-    powers->inverse_time = is_normal ? mlrt_power_of_two(254 - time) : 1;
-    return is_normal;
+    const float power = mlrt_power_within(greatest), time = power * unit;
+    *powers = (struct mlrt_ray_powers){1 / power, time};
+    return mlrt_is_ray_power(power) && mlrt_is_ray_power(time);
 }
 
 /* Underflow changes t in units by less than this. It is negligible beside DISTANCE_FLOOR (hits/triangle_filter.h). */

@@ -32,8 +32,8 @@ MLRT_INLINE void begin_lone_search(const struct mlrt_tree *tree, const struct ml
     float begin = ray->t_min, end = ray->t_max;
     search->worker.scaled = NULL;
     if (MLRT_UNLIKELY(ray->in_units)) {
-        begin = ray->begin;
-        end = ray->end;
+        begin = ray->units.begin;
+        end = ray->units.end;
         search->scaled.given = &search->given;
         search->worker.scaled = &search->scaled;
     }
@@ -57,7 +57,7 @@ MLRT_INLINE void begin_lone_search(const struct mlrt_tree *tree, const struct ml
  */
 MLRT_INLINE int leave_units(const struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
-    const float t = hit->t * ray->powers.inverse_time;
+    const float t = hit->t / ray->units.powers.time;
     const int is_normal = hit->t > FLT_MIN && hit->t <= FLT_MAX && t >= FLT_MIN && t <= FLT_MAX;
     hit->t = t;
     return is_normal;

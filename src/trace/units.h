@@ -8,6 +8,7 @@
 #ifndef MLRT_TRACE_UNITS_H
 #define MLRT_TRACE_UNITS_H
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -32,11 +33,18 @@ static uint32_t find_powers(const struct mlrt_packet *packet, uint32_t lanes, fl
         v_store(scales->direction + v, v_max(v_max(x, y), v_abs(v_load(packet->direction[2] + v))));
     }
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        struct mlrt_ray_powers powers;
-        found |= (uint32_t)mlrt_find_ray_powers(scales->direction[lane], unit, &powers) << lane;
-        scales->direction[lane] = powers.direction;
-        scales->time[lane] = powers.time;
-        scales->inverse_time[lane] = powers.inverse_time;
+        scales->direction[lane] = mlrt_power_within(scales->direction[lane]);
+    }
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf one = v_set1(1), lo = v_set1(MLRT_LEAST_RAY_POWER), hi = v_set1(1 / MLRT_LEAST_RAY_POWER);
+        vf power = v_load(scales->direction + v), time = v_mul(power, v_set1(unit));
+        const vm normal = m_and(m_and(v_ge(power, lo), v_le(power, hi)), m_and(v_ge(time, lo), v_le(time, hi)));
+        power = v_select(normal, power, one);
+        time = v_select(normal, time, one);
+        v_store(scales->direction + v, v_div(one, power));
+        v_store(scales->time + v, time);
+        v_store(scales->inverse_time + v, v_div(one, time));
+        found |= m_bits(normal) << v;
     }
     return found & lanes;
 }
@@ -117,10 +125,23 @@ static MLRT_NOINLINE uint32_t scale_packet(uint32_t lanes, float unit, float rea
  */
 static MLRT_NOINLINE void take_scaled_hits(const struct mlrt_scaled_packet *scaled, uint32_t lanes)
 {
-    for (; lanes; lanes &= lanes - 1) {
-        const uint32_t lane = mlrt_lowest_bit(lanes);
-        if (scaled->rays.nearest.triangle[lane] == scaled->given->nearest.triangle[lane]) continue;
-        copy_nearest(&scaled->rays, lane, scaled->scales.inverse_time[lane], scaled->given);
+    const struct mlrt_packet *from = &scaled->rays;
+    struct mlrt_packet *to = scaled->given;
+    uint32_t rounded = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vi number = i_load(from->nearest.triangle + v), given = i_load(to->nearest.triangle + v);
+        const vm changed = m_andnot(m_from_bits(lanes >> v & ALL_LANES), i_eq(number, given));
+        const vf times = v_load(scaled->scales.inverse_time + v);
+        const vf lo = v_mul(v_load(from->nearest.lo + v), times), hi = v_mul(v_load(from->nearest.hi + v), times);
+        const vm exact = m_and(changed, m_and(v_gt(lo, v_set1(FLT_MIN)), v_le(hi, v_set1(FLT_MAX))));
+        i_store(to->nearest.triangle + v, i_select(exact, number, given));
+        v_store(to->nearest.lo + v, v_select(exact, lo, v_load(to->nearest.lo + v)));
+        v_store(to->nearest.hi + v, v_select(exact, hi, v_load(to->nearest.hi + v)));
+        rounded |= m_bits(m_andnot(changed, exact)) << v;
+    }
+    for (; MLRT_UNLIKELY(rounded); rounded &= rounded - 1) {
+        const uint32_t lane = mlrt_lowest_bit(rounded);
+        copy_nearest(from, lane, scaled->scales.inverse_time[lane], to);
     }
 }
 
@@ -221,8 +242,8 @@ static void fill_lone_packet(struct mlrt_packet *packet, struct mlrt_worker *wor
         given->skip[0] = packet->skip[0];
         given->has.skip = packet->has.skip;
         given->has.masks = 0;
-        worker->scaled->scales.time[0] = ray->powers.time;
-        worker->scaled->scales.inverse_time[0] = ray->powers.inverse_time;
+        worker->scaled->scales.time[0] = ray->units.powers.time;
+        worker->scaled->scales.inverse_time[0] = 1 / ray->units.powers.time;
     }
     worker->known.plane_mask = 0;
     worker->known.planes->number = MLRT_NONE;
