@@ -220,6 +220,35 @@ static void distances_about_the_least_normal_float(void **state)
 }
 
 /*
+ * Hits whose t as given is about the least normal float, below which floats lie as far apart as above: but in units
+ * they lie half as far apart there. The ray (0, 0, s 2^126) meets the plane z = s - i ulp at 2^-126 (1 - i ulp / s).
+ */
+static void given_distances_about_the_least_normal_float(void **state)
+{
+    (void)state;
+    enum { SCALE = -31 };
+    for (int eighths = 8; eighths < 16; eighths++) {
+        for (int i = -4; i <= 12; i++) {
+            struct random random = {(uint64_t)(16 * eighths + i)};
+            struct soup soup = {0};
+            struct ray_list list = {0};
+            const float s = (float)eighths / 8, z = s - (float)i * 0x1p-23f;
+            const float wall[3][3] = {{-1, -1, z}, {3, -1, z}, {-1, 3, z}};
+            soup_add_random(&soup, &random, 40, 16, 8); /* so that powers of rays are normal floats */
+            soup_add_triangle(&soup, wall[0], wall[1], wall[2]);
+            for (size_t j = 0; j < 9 * soup.count; j++) soup.corners[j] = ldexpf(soup.corners[j], SCALE);
+            struct fixture fixture = fixture_of_soup("a wall", random.state, &soup);
+            assert_true(fixture.tree->bvh.unit != 1);
+            const float origin[3] = {0, 0, 0}, direction[3] = {0, 0, ldexpf(s, 126 + SCALE)};
+            add_ray(&list, origin, direction);
+            check_rays(&fixture, &list);
+            free_rays(&list);
+            free_fixture(&fixture);
+        }
+    }
+}
+
+/*
  * Rays from origins with a component that is not 0 as given, but would be in units. In units two triangles at
  * z = 3 * 2^-127 are 2^-149 / 3 + x apart where y = 0: which comes first depends on that component.
  */
@@ -550,6 +579,7 @@ int main(void)
         cmocka_unit_test(test_odd_triangles),
         cmocka_unit_test(odd_triangles_have_close_neighbours),
         cmocka_unit_test(distances_about_the_least_normal_float),
+        cmocka_unit_test(given_distances_about_the_least_normal_float),
         cmocka_unit_test(origins_that_underflow_in_units),
         cmocka_unit_test(test_odd_triangles_stay_local),
         cmocka_unit_test(test_scales_have_one_tree),

@@ -53,12 +53,12 @@ MLRT_INLINE void begin_lone_search(const struct mlrt_tree *tree, const struct ml
 
 /*
  * Brings t of a hit back from units. Returns 0 if it may round otherwise there: powers of two commute with rounding
- * where both numbers are normal.
+ * where both numbers are normal. A number that is rounded to FLT_MIN may lie below it, where floats are farther apart.
  */
 MLRT_INLINE int leave_units(const struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
     const float t = hit->t / ray->units.powers.time;
-    const int is_normal = hit->t > FLT_MIN && hit->t <= FLT_MAX && t >= FLT_MIN && t <= FLT_MAX;
+    const int is_normal = hit->t > FLT_MIN && hit->t <= FLT_MAX && t > FLT_MIN && t <= FLT_MAX;
     hit->t = t;
     return is_normal;
 }
