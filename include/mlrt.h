@@ -45,7 +45,8 @@
  * Numbers. Lengths are in the units of the mesh, t in units of the length of d, which may be any finite length.
  * Denormals are numbers like others, not 0. A call may be made in any floating-point environment (rounding,
  * flush-to-zero, exception masks): it sets the one that it needs, and restores the caller's. Like any arithmetic, it
- * may raise exception flags; it lowers none.
+ * may raise exception flags; it lowers none. A tile callback runs in the environment of its thread, the functions of a
+ * host and the hooks of a pool in that one or in the library's (round to nearest, denormals kept, exceptions masked).
  *
  * Structs start with `struct_size`, which the caller sets to the struct's sizeof; the rest zero means default. Later
  * versions append fields, in multiples of 4 bytes, and never change the meaning or the place of a field that is here.
@@ -152,9 +153,9 @@ enum {
     MLRT_ERROR_STRUCT_SIZE = 2,   /* a struct_size is not set, or not of any version */
     MLRT_ERROR_INDEX_RANGE = 3,   /* a triangle names a vertex that does not exist: see mlrt_tree_options.message */
     MLRT_ERROR_OUT_OF_MEMORY = 4, /* an allocation failed, or a memory_limit was reached; nothing was kept */
-    MLRT_ERROR_TOO_LARGE = 5,     /* more triangles, rays or pixels than 32-bit counts allow */
-    MLRT_ERROR_CAMERA = 6,        /* camera of size zero, crop outside it, numbers not finite, a direction of 0 (of a
-                                     parallel camera), or dx and dy parallel */
+    MLRT_ERROR_TOO_LARGE = 5,     /* more meshes, triangles, rays or pixels than 32-bit counts allow */
+    MLRT_ERROR_CAMERA = 6,        /* camera of size zero, crop outside it, numbers not finite (t_min, t_max: NaN), a
+                                     direction of 0 (of a parallel camera), or dx and dy parallel */
     MLRT_ERROR_UNSUPPORTED = 7,   /* an instruction set that this machine or build does not have, or a method of the
                                      other structure (MLRT_STRUCTURE_*) */
     MLRT_ERROR_THREAD = 8,        /* the system would not start a thread */
@@ -483,7 +484,7 @@ MLRT_API int32_t mlrt_get_tree_info(const mlrt_tree *tree, mlrt_tree_info *info)
  *   tree      the tree, which stays as it is.
  *   buffer    where to write; NULL = nowhere, to learn the size.
  *   capacity  size of `buffer` in bytes. If it is too small, nothing is written: MLRT_ERROR_ARGUMENT.
- *   size      receives the number of bytes that the saved tree takes.
+ *   size      receives the number of bytes that the saved tree takes, also if `capacity` is too small.
  */
 MLRT_API int32_t mlrt_save_tree(const mlrt_tree *tree, void *buffer, size_t capacity, size_t *size);
 
@@ -568,7 +569,7 @@ typedef struct mlrt_pool_options {
 } mlrt_pool_options;
 
 /*
- * Creates a pool with options, for example one that starts no threads, but shares work through the host's job system.
+ * Creates a pool with options (not NULL), such as one without threads that shares work through the host's job system.
  *
  * A call with such a pool enqueues at most thread_count - 1 tasks at a time and works on the same items itself. Before
  * it returns, it calls `finish` for every task whose `enqueue` did not return NULL. A task may start late, or only in
@@ -787,7 +788,7 @@ typedef struct mlrt_rays {
     mlrt_const_array origins;    /* float[3] */
     mlrt_const_array directions; /* float[3], of any length */
     mlrt_const_array t_min;      /* float; NULL = 0 for all */
-    mlrt_const_array t_max;      /* float; NULL = no limit for all. 0 here means 0 */
+    mlrt_const_array t_max;      /* float; NULL, or inf = no limit. 0 here means 0: no hits */
     mlrt_const_array skip; /* uint32_t[2]: mesh and triangle, as reported, that the ray passes through; NULL = none */
     mlrt_const_array mask; /* uint32_t: a mask for each ray in place of that of the options (0 = all bits). NULL = all
                               rays have that of the options. If the tree's meshes have masks, this takes longer */
@@ -824,7 +825,7 @@ typedef struct mlrt_ray {
     float origin[3];        /* o */
     float direction[3];     /* d, of any length */
     float t_min;            /* 0 = hits in front of the origin */
-    float t_max;            /* 0 = no limit */
+    float t_max;            /* 0 or inf = no limit */
     uint32_t skip_mesh;     /* with MLRT_RAY_SKIP: the mesh, as reported, of the triangle to pass through */
     uint32_t skip_triangle; /* with MLRT_RAY_SKIP: that triangle, as reported */
 } mlrt_ray;
@@ -931,7 +932,7 @@ typedef struct mlrt_camera {
     float sample_x;       /* where in the pixel, along the row: 0.5 = the middle */
     float sample_y;       /* where in the pixel, across the rows: 0.5 = the middle */
     float t_min;          /* 0 = hits in front of the origin */
-    float t_max;          /* 0 = no limit */
+    float t_max;          /* 0 or inf = no limit */
 } mlrt_camera;
 
 /*
@@ -942,7 +943,7 @@ typedef struct mlrt_camera {
  */
 typedef struct mlrt_tile {
     uint32_t struct_size;     /* sizeof(mlrt_tile), the library's */
-    uint32_t worker;          /* the number of the worker that calls, 0..threads - 1; 0 is the thread of the call */
+    uint32_t worker;          /* number of the worker, below the pool's thread_count; 0 is the thread of the call */
     uint32_t x;               /* the column of its first pixel */
     uint32_t y;               /* the row of its first pixel */
     uint32_t width;           /* in pixels */

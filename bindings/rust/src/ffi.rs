@@ -27,10 +27,10 @@ pub const MLRT_ERROR_INDEX_RANGE: i32 = 3;
 /// an allocation failed, or a memory_limit was reached; nothing was kept
 pub const MLRT_ERROR_OUT_OF_MEMORY: i32 = 4;
 
-/// more triangles, rays or pixels than 32-bit counts allow
+/// more meshes, triangles, rays or pixels than 32-bit counts allow
 pub const MLRT_ERROR_TOO_LARGE: i32 = 5;
 
-/// camera of size zero, crop outside it, numbers not finite, a direction of 0 (of a parallel camera), or dx and dy parallel
+/// camera of size zero, crop outside it, numbers not finite (t_min, t_max: NaN), a direction of 0 (of a parallel camera), or dx and dy parallel
 pub const MLRT_ERROR_CAMERA: i32 = 6;
 
 /// an instruction set that this machine or build does not have, or a method of the other structure (MLRT_STRUCTURE_\*)
@@ -815,7 +815,7 @@ pub struct mlrt_rays {
     pub directions: mlrt_const_array,
     /// float; NULL = 0 for all
     pub t_min: mlrt_const_array,
-    /// float; NULL = no limit for all. 0 here means 0
+    /// float; NULL, or inf = no limit. 0 here means 0: no hits
     pub t_max: mlrt_const_array,
     /// uint32_t\[2\]: mesh and triangle, as reported, that the ray passes through; NULL = none
     pub skip: mlrt_const_array,
@@ -849,7 +849,7 @@ pub struct mlrt_ray {
     pub direction: [f32; 3],
     /// 0 = hits in front of the origin
     pub t_min: f32,
-    /// 0 = no limit
+    /// 0 or inf = no limit
     pub t_max: f32,
     /// with MLRT_RAY_SKIP: the mesh, as reported, of the triangle to pass through
     pub skip_mesh: u32,
@@ -979,7 +979,7 @@ pub struct mlrt_camera {
     pub sample_y: f32,
     /// 0 = hits in front of the origin
     pub t_min: f32,
-    /// 0 = no limit
+    /// 0 or inf = no limit
     pub t_max: f32,
 }
 
@@ -1002,7 +1002,7 @@ impl Default for mlrt_camera {
 pub struct mlrt_tile {
     /// sizeof(mlrt_tile), the library's
     pub struct_size: u32,
-    /// the number of the worker that calls, 0..threads - 1; 0 is the thread of the call
+    /// number of the worker, below the pool's thread_count; 0 is the thread of the call
     pub worker: u32,
     /// the column of its first pixel
     pub x: u32,
@@ -1174,7 +1174,7 @@ extern "C" {
     ///   tree      the tree, which stays as it is.
     ///   buffer    where to write; NULL = nowhere, to learn the size.
     ///   capacity  size of `buffer` in bytes. If it is too small, nothing is written: MLRT_ERROR_ARGUMENT.
-    ///   size      receives the number of bytes that the saved tree takes.
+    ///   size      receives the number of bytes that the saved tree takes, also if `capacity` is too small.
     /// ```
     pub fn mlrt_save_tree(tree: *const mlrt_tree, buffer: *mut c_void, capacity: usize, size: *mut usize) -> i32;
 
@@ -1213,7 +1213,7 @@ extern "C" {
     pub fn mlrt_create_pool(thread_count: u32, pool: *mut *mut mlrt_pool) -> i32;
 
     /// ```text
-    /// Creates a pool with options, for example one that starts no threads, but shares work through the host's job system.
+    /// Creates a pool with options (not NULL), such as one without threads that shares work through the host's job system.
     ///
     /// A call with such a pool enqueues at most thread_count - 1 tasks at a time and works on the same items itself. Before
     /// it returns, it calls `finish` for every task whose `enqueue` did not return NULL. A task may start late, or only in
