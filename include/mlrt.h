@@ -324,7 +324,7 @@ enum {
  *
  * FAST puts each triangle into one leaf. DEFAULT and BEST cut large triangles that lie among small ones in two, so that
  * a triangle can be in several leaves: DEFAULT makes up to 1.15 references (leaf entries) per triangle that is given
- * and takes about twice as long to build, BEST makes up to 1.5 and takes about twice as long again.
+ * and takes up to 4 times as long to build as FAST, BEST makes up to 1.5 and takes up to 5 times as long as DEFAULT.
  */
 enum {
     MLRT_TREE_DEFAULT = 0, /* faster to render than FAST, slower than BEST */
