@@ -19,7 +19,7 @@ must_fail() {
 fresh && check "$page" "$work/docs/accuracy-price.png"
 fresh && sed -i '/^| frame | /s/1\./2./' "$page" && must_fail "a digit in a table" "$page"
 fresh && sed -i 's/) and [0-9]* double/) and 1 double/' "$page" && must_fail "a figure in a sentence" "$page"
-fresh && sed -i 's/^camera, and [0-9.]* to/camera, and 9.99 to/' "$page" && must_fail "a figure of joined rows" "$page"
+fresh && sed -i 's/camera, and [0-9.]* to/camera, and 9.99 to/' "$page" && must_fail "a figure of joined rows" "$page"
 fresh && sed -i 's/^<!-- figure: \([0-9]*\) is stages/<!-- figure: \1 stages/' "$page" && must_fail "a comment that watches nothing" "$page"
 fresh && printf '\n| scene | speed |\n| --- | ---: |\n| room | 1 |\n' >>"$page" && must_fail "a table without data" "$page"
 fresh && sed -i '2s/[0-9]$/&1/' "$data/price.csv" && must_fail "a chart of other data" "$work/docs/accuracy-price.png"
