@@ -20,7 +20,7 @@
 static void print_info_of(const mlrt_tree *tree)
 {
     mlrt_tree_info info = {.struct_size = sizeof info};
-    mlrt_get_tree_info(tree, &info);
+    must_succeed(mlrt_get_tree_info(tree, &info));
     print_tree_info(&info);
 }
 

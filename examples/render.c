@@ -259,7 +259,7 @@ static int print_stats(struct session *session)
     if (render_frame(session, 0, &primary)) return 1;
     print_counters("primary", &primary);
     mlrt_tree_info info = {.struct_size = sizeof info};
-    mlrt_get_tree_info(session->tree, &info);
+    must_succeed(mlrt_get_tree_info(session->tree, &info));
     print_tree_info(&info);
     return 0;
 }

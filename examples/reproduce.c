@@ -526,7 +526,7 @@ static int measure_tree(struct subject *subject, const mlrt_tree *tree, struct r
                                      {tree, from_root, 0, 0},
                                      {subject->tree, from_root, 0, 0}};
     mlrt_tree_info info = {.struct_size = sizeof info};
-    mlrt_get_tree_info(tree, &info);
+    must_succeed(mlrt_get_tree_info(tree, &info));
     result->sah_cost = info.sah_cost;
     result->node_count = info.node_count;
     if (count_picture(subject, tree, &multilevel, check_hits, &result->multilevel) ||

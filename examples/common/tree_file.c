@@ -4,6 +4,7 @@
 #include "tree_file.h"
 
 #include "file.h"
+#include "must.h"
 #include "timer.h"
 
 #include <errno.h>
@@ -29,7 +30,7 @@ static int write_file(const char *name, const void *data, size_t size)
 int save_tree(const mlrt_tree *tree, const char *name, double *seconds)
 {
     size_t size;
-    mlrt_save_tree(tree, NULL, 0, &size);
+    must_succeed(mlrt_save_tree(tree, NULL, 0, &size));
     void *data = malloc(size);
     if (data == NULL) {
         fprintf(stderr, "%s: out of memory\n", name);
@@ -37,7 +38,7 @@ int save_tree(const mlrt_tree *tree, const char *name, double *seconds)
     }
     memset(data, 0, size);
     const double start = seconds_now();
-    mlrt_save_tree(tree, data, size, &size);
+    must_succeed(mlrt_save_tree(tree, data, size, &size));
     *seconds = seconds_now() - start;
     const int failed = write_file(name, data, size);
     free(data);
