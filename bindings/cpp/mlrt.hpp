@@ -7,8 +7,9 @@
  *     const mlrt::Hits hits = tree.trace(mlrt::Rays(origins, directions));
  *
  * Options, cameras, lights and single rays are the structs of mlrt.h, whose text says what each field means; the types
- * here (TraceOptions and so on) only set the size and zeros, which are the defaults; Camera also sets the sample to the middle of the pixel. Objects can be moved, not copied. One
- * that was moved from is empty: calls of an empty tree fail, and an empty pool stands for the calling thread alone.
+ * here (TraceOptions and so on) only set the size and zeros, which are the defaults; Camera also sets the sample to the
+ * middle of the pixel. Objects can be moved, not copied. One that was moved from is empty: calls of an empty tree fail,
+ * and an empty pool stands for the calling thread alone.
  *
  * Every function of mlrt.h comes twice. `trace` throws an Error; `try_trace` returns a Status, or a Result with a value, and is there
  * with -fno-exceptions, too. Both can throw std::bad_alloc where they return vectors.
