@@ -542,7 +542,8 @@ typedef struct mlrt_pool mlrt_pool;
 
 /*
  * Creates a pool of `thread_count` threads, 1..1024, of which the calling thread is one: thread_count - 1 threads are
- * started, and sleep between calls. 0 = one per processor that is online. Free the pool with mlrt_destroy_pool.
+ * started, and sleep between calls. 0 = one per processor that is online. They have the signal mask of the caller, and
+ * stacks of the system's size, but of 1 MiB at least. Free the pool with mlrt_destroy_pool.
  */
 MLRT_API int32_t mlrt_create_pool(uint32_t thread_count, mlrt_pool **pool);
 
@@ -1059,7 +1060,8 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
  *   light   the light.
  *   shadow  receives the ray that decides, with the triangle to skip (struct_size must be set).
  *   faces   receives 1; or 0 if the light is on the other side, or counts as such because the ray would leave the range
- *           of float. No ray is needed then, and *shadow has a direction of 0.
+ *           of float. No ray is needed then, and *shadow has a direction of 0. It has one, too, if the point just off the
+ *           hit is that of the light: nothing is between them.
  *
  * MLRT_ERROR_ARGUMENT: there is no such triangle, or the ray does not hit it between its t_min and t_max. (What the ray
  * skips does not matter.)

@@ -3,7 +3,7 @@
  * Pools and threads: pools of every size give the same answers, may be shared, used at once with others, made and ended
  * again and again; callbacks can end a render.
  */
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE /* pthread_getattr_np, where there is glibc */
 
 #include <math.h>
 #include <pthread.h>
@@ -413,6 +413,45 @@ static void counters_of_a_pool_add_up(void **state)
     free_fixture(&fixture);
 }
 
+#if defined(__GLIBC__)
+enum { SMALL_STACK_SIZE = 1 << 17, LEAST_STACK_SIZE = 1 << 20 };
+
+static int32_t note_stack_size(void *user_data, const mlrt_tile *tile)
+{
+    size_t *sizes = user_data;
+    pthread_attr_t attributes;
+    if (pthread_getattr_np(pthread_self(), &attributes) != 0) return 1;
+    (void)pthread_attr_getstacksize(&attributes, &sizes[tile->worker]);
+    (void)pthread_attr_destroy(&attributes);
+    return 0;
+}
+
+/* Some systems give threads as little as a call needs by itself. */
+static void threads_have_room_for_callbacks(void **state)
+{
+    (void)state;
+    struct fixture fixture = torus();
+    const mlrt_camera camera = view();
+    size_t sizes[3] = {0};
+    pthread_attr_t usual, small;
+    assert_int_equal(pthread_getattr_default_np(&usual), 0);
+    assert_int_equal(pthread_attr_init(&small), 0);
+    assert_int_equal(pthread_attr_setstacksize(&small, SMALL_STACK_SIZE), 0);
+    assert_int_equal(pthread_setattr_default_np(&small), 0);
+    mlrt_pool *pool = pool_of(3);
+    assert_int_equal(pthread_setattr_default_np(&usual), 0);
+    const mlrt_trace_options options = {.struct_size = sizeof options, .pool = pool, .initial_tile_size = 4};
+    for (int i = 0; i < 1000 && !(sizes[1] && sizes[2]); i++) {
+        assert_int_equal(mlrt_render_tiles(fixture.tree, &camera, &options, NULL, note_stack_size, sizes), MLRT_OK);
+    }
+    assert_true(sizes[1] >= LEAST_STACK_SIZE && sizes[2] >= LEAST_STACK_SIZE);
+    mlrt_destroy_pool(pool);
+    (void)pthread_attr_destroy(&small);
+    (void)pthread_attr_destroy(&usual);
+    free_fixture(&fixture);
+}
+#endif
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -432,6 +471,9 @@ int main(void)
         cmocka_unit_test(any_value_but_zero_cancels),
         cmocka_unit_test(a_callback_may_trace),
         cmocka_unit_test(counters_of_a_pool_add_up),
+#if defined(__GLIBC__)
+        cmocka_unit_test(threads_have_room_for_callbacks),
+#endif
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -197,13 +197,29 @@ static uint32_t online_processor_count(void)
     return count < 1 ? 1 : count > MLRT_THREAD_LIMIT ? MLRT_THREAD_LIMIT : (uint32_t)count;
 }
 
+/* A call takes up to 128 kB of a stack (docs/embedding.md), and callbacks come on top. Some systems give no more. */
+enum { LEAST_STACK_SIZE = 1 << 20 };
+
+static int start_thread(struct thread *thread)
+{
+    pthread_attr_t attributes;
+    size_t size;
+    if (pthread_attr_init(&attributes) != 0) return 0;
+    if (pthread_attr_getstacksize(&attributes, &size) == 0 && size < LEAST_STACK_SIZE) {
+        (void)pthread_attr_setstacksize(&attributes, LEAST_STACK_SIZE);
+    }
+    const int is_started = pthread_create(&thread->handle, &attributes, run_thread, thread) == 0;
+    (void)pthread_attr_destroy(&attributes);
+    return is_started;
+}
+
 static int32_t start_threads(mlrt_pool *pool, uint32_t thread_count)
 {
     for (uint32_t worker = 1; worker < thread_count; ++worker) {
         struct thread *thread = &pool->each[worker - 1];
         thread->pool = pool;
         thread->worker = worker;
-        if (pthread_create(&thread->handle, NULL, run_thread, thread) != 0) return MLRT_ERROR_THREAD;
+        if (!start_thread(thread)) return MLRT_ERROR_THREAD;
         ++pool->thread_count;
     }
     return MLRT_OK;

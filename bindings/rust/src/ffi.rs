@@ -1208,7 +1208,8 @@ extern "C" {
 
     /// ```text
     /// Creates a pool of `thread_count` threads, 1..1024, of which the calling thread is one: thread_count - 1 threads are
-    /// started, and sleep between calls. 0 = one per processor that is online. Free the pool with mlrt_destroy_pool.
+    /// started, and sleep between calls. 0 = one per processor that is online. They have the signal mask of the caller, and
+    /// stacks of the system's size, but of 1 MiB at least. Free the pool with mlrt_destroy_pool.
     /// ```
     pub fn mlrt_create_pool(thread_count: u32, pool: *mut *mut mlrt_pool) -> i32;
 
@@ -1332,7 +1333,8 @@ extern "C" {
     ///   light   the light.
     ///   shadow  receives the ray that decides, with the triangle to skip (struct_size must be set).
     ///   faces   receives 1; or 0 if the light is on the other side, or counts as such because the ray would leave the range
-    ///           of float. No ray is needed then, and *shadow has a direction of 0.
+    ///           of float. No ray is needed then, and *shadow has a direction of 0. It has one, too, if the point just off the
+    ///           hit is that of the light: nothing is between them.
     ///
     /// MLRT_ERROR_ARGUMENT: there is no such triangle, or the ray does not hit it between its t_min and t_max. (What the ray
     /// skips does not matter.)
