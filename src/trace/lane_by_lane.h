@@ -52,7 +52,7 @@ static void trace_lanes_in_units(const struct mlrt_job *job, uint32_t lanes, str
         if (mlrt_bvh_quad_count(child) == 0) {
             push_lanes(packet, &nodes[mlrt_bvh_offset(child)], lanes, job->any, &search);
         } else {
-            test_leaf_by_lanes(job, child, lanes, &search, packet, worker);
+            test_leaf_against_lanes(job, child, lanes, &search, packet, worker);
         }
         for (;;) {
             if (search.count == 0) return;
