@@ -896,7 +896,7 @@ static int is_cut(int has_intercepts)
 {
     struct mlrt_hull hull;
     take_hull(&bundle, 0, &hull);
-    if (!(triangles_met(&bundle, &leaf, &hull, has_intercepts, 1) & 1)) return 1;
+    if (!(outlines_met(&bundle, &leaf, &hull, has_intercepts, 1) & 1)) return 1;
     return !(triangles_within_edges(&bundle, &leaf, 0, has_intercepts, 1) & 1);
 }
 
@@ -1014,7 +1014,7 @@ static double covers_over(const float *input, int has_intercepts)
 {
     static struct mlrt_worker worker;
     static const struct mlrt_job job = {.tree = &tree_of_one, .any = 0};
-    struct triangles_of_hulls of;
+    struct seen_pairs of;
     double worst = 0.001;
     const int count = input[FUSED] > 0 && bits_of_float(input[FUSED]) & 1 ? 2 : 1;
     if (!bundle_of(input, count, has_intercepts)) return -1;
@@ -1023,7 +1023,7 @@ static double covers_over(const float *input, int has_intercepts)
         mlrt_settle_signs(&tree_of_one, &bundle.waist, &leaf);
         if (!leaf.state.from_waist) return -1;
     }
-    see_triangles(&(struct hull_pairs){&bundle.hulls, &leaf, 0, 0, 1, has_intercepts}, &of);
+    see_pairs(&(struct hull_pairs){&bundle.hulls, &leaf, 0, 0, 1, has_intercepts}, &of);
     bound_depths(&bundle.hulls, &leaf, 0, 0, has_intercepts, &of);
     tile.packets[0].nearest.triangle[0] = MLRT_NONE;
     const uint32_t may = offer_to_packets(&job, &worker, &bundle, &leaf, 0, 1);

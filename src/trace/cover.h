@@ -50,17 +50,17 @@
 #include "trace/bundle.h"
 #include "trace/cell_ends.h"
 #include "trace/cover_parts.h"
-#include "trace/cuts.h"
-#include "trace/ray_hulls.h"
+#include "trace/hull_triangles.h"
 #include "trace/leaf.h"
 #include "trace/make_rays.h"
 #include "trace/plane_order.h"
 #include "trace/plane_sides.h"
+#include "trace/ray_hulls.h"
 #include "trace/units.h"
 
 /* Bounds N over the hulls, and sets the depths `near` and `far`, which hold where `sure`. */
 MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
-                              int v, int has_intercepts, struct triangles_of_hulls *of)
+                              int v, int has_intercepts, struct seen_pairs *of)
 {
     const vm backward = of->backward;
     vf middle = v_set1(leaf->planes.distance[triangle]), radius = v_set1(0), error = v_set1(0);
@@ -105,7 +105,7 @@ struct order_of_packets {
 
 /* Adds those of `places` whose order the line of a triangle and another tells (plane_order.c). */
 MLRT_INLINE void add_order_by_line(const struct mlrt_hulls *hulls, const struct mlrt_pair_line *line, uint32_t places,
-                                   int v, const struct triangles_of_hulls *of, struct order_of_packets *order)
+                                   int v, const struct seen_pairs *of, struct order_of_packets *order)
 {
     const vf size = v_load(hulls->filter.direction_size + v), zero = v_set1(0),
              width = v_mul(size, v_set1(2 * PLANE_BOUND));
@@ -136,7 +136,7 @@ MLRT_INLINE void add_order_by_line(const struct mlrt_hulls *hulls, const struct 
 static MLRT_NOINLINE struct order_of_packets find_order(const struct mlrt_job *job, struct mlrt_worker *worker,
                                                         struct mlrt_bundle *bundle, uint32_t number,
                                                         const uint32_t others[MLRT_BUNDLE_PACKETS], uint32_t places,
-                                                        int v, const struct triangles_of_hulls *of)
+                                                        int v, const struct seen_pairs *of)
 {
     struct order_of_packets order = {0, 0, 0};
     if (places && mlrt_is_stopped_in_step(worker)) return (struct order_of_packets){0, places, 0};
@@ -246,7 +246,7 @@ MLRT_INLINE uint32_t skipping_lanes(const struct mlrt_bundle *bundle, uint32_t p
  */
 static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct mlrt_worker *worker,
                                             struct mlrt_bundle *bundle, uint32_t number, uint32_t doubtful,
-                                            uint32_t may_cover, int v, const struct triangles_of_hulls *of)
+                                            uint32_t may_cover, int v, const struct seen_pairs *of)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     const vf far = v_load(hulls->last + v), near = v_load(hulls->closed.cover_near + v);
@@ -329,9 +329,9 @@ MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_jo
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         const uint32_t asked = among >> v & ALL_LANES;
         if (!asked) continue;
-        struct triangles_of_hulls of;
+        struct seen_pairs of;
         const struct hull_pairs pairs = {hulls, leaf, (uint32_t)v, triangle, 1, has_intercepts};
-        see_triangles(&pairs, &of);
+        see_pairs(&pairs, &of);
         if (!(asked & ~m_bits(of.out) & bundle->state.closed >> v)) {
             offered.may |= (asked & ~m_bits(of.out)) << v;
             continue;

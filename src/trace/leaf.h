@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The triangles of a leaf as a bundle sees them (bundle.h): what edge functions and distances are made from, how far
- * they are off, and the set-ups of leaves. Hulls are compared with them in cuts.h and cover.h, rays in packet_tests.h.
- * L5, L6, ... are the lemmas of docs/accuracy.md, "Bundles", which derive the bounds.
+ * they are off, and the set-ups of leaves. Hulls are compared with them in hull_triangles.h and cover.h, rays in
+ * packet_tests.h. L5, L6, ... are the lemmas of docs/accuracy.md, "Bundles", which derive the bounds.
  *
  * WHAT IS COMPUTED. Vectors have the components depth, j and l (bundle.h). Let p and q be the ends of an edge relative
  * to the waist w, and g = q - p; let o be the origin of a ray relative to the waist. The ray is at x = (0, x_j, x_l) at
@@ -249,8 +249,8 @@ MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_jo
         begin_bundle_leaf(job->tree, &bundle->waist, has_intercepts, child, worker->mask, leaf);
         cache->children[place] = child;
     }
-    *seen = triangles_met(bundle, leaf, &bundle->whole, has_intercepts,
-                          has_intercepts ? leaf->state.there : leaf->state.from_waist);
+    *seen = outlines_met(bundle, leaf, &bundle->whole, has_intercepts,
+                         has_intercepts ? leaf->state.there : leaf->state.from_waist);
     if (*seen & ~leaf->state.ready) set_up_triangles(job->tree, &bundle->waist, *seen & ~leaf->state.ready, leaf);
     if (MLRT_UNLIKELY(leaf->state.doubtful != 0) && !has_intercepts) {
         mlrt_settle_signs(job->tree, &bundle->waist, leaf);

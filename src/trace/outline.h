@@ -120,8 +120,8 @@ MLRT_INLINE void find_outline_ends(const struct mlrt_waist *waist, int side, vf 
 }
 
 /* Returns the triangles of `among` that rays of a hull may hit, by their outlines. Most leaves have only fans. */
-MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                   const struct mlrt_hull *hull, int has_intercepts, uint32_t among)
+MLRT_INLINE uint32_t outlines_met(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                  const struct mlrt_hull *hull, int has_intercepts, uint32_t among)
 {
     const int are_fans = !(among & ~leaf->state.fans);
     uint32_t met = 0;

@@ -14,7 +14,7 @@
 #include "scene/masks.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
-#include "trace/cuts.h"
+#include "trace/hull_triangles.h"
 #include "trace/leaf.h"
 #include "trace/nearest_hits.h"
 #include "trace/settle_leaf.h"

@@ -19,8 +19,8 @@
 #include "simd/sixteen.h"
 #include "trace/bundle.h"
 #include "trace/cover.h"
-#include "trace/cuts.h"
 #include "trace/hull_boxes.h"
+#include "trace/hull_triangles.h"
 #include "trace/lane_by_lane.h"
 #include "trace/leaf.h"
 #include "trace/packet_tests.h"
@@ -280,7 +280,7 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
     for (met &= bundle->state.going & (seen ? met : listed); met; met &= met - 1) {
         const uint32_t place = mlrt_lowest_bit(met);
         uint32_t triangles = listed >> place & 1 ? triangles_of_packet(packets_of, place) : 0;
-        if (seen) triangles |= cut_triangles(bundle, leaf, place, seen);
+        if (seen) triangles |= packet_triangles_met(bundle, leaf, place, seen);
         if (triangles) visit_by_packet(job, worker, bundle, leaf, triangles, place);
     }
     settle_bundle(bundle);

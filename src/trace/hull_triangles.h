@@ -8,8 +8,8 @@
  * 14.002 u R + (13.2 u X + 1.01 E) R rho, and that of D misses D by at most 11.1 u R: twice the bound for a single ray
  * is enough for both.
  */
-#ifndef MLRT_TRACE_CUTS_H
-#define MLRT_TRACE_CUTS_H
+#ifndef MLRT_TRACE_HULL_TRIANGLES_H
+#define MLRT_TRACE_HULL_TRIANGLES_H
 
 #include <math.h>
 
@@ -23,13 +23,13 @@
 struct hull_pairs {
     const struct mlrt_hulls *hulls;
     const struct mlrt_bundle_leaf *leaf;
-    uint32_t place;    /* of the packet, or of the first */
-    uint32_t triangle; /* the triangle, or the first */
-    int are_packets;
+    uint32_t place;    /* of the packet, or of the first packet */
+    uint32_t triangle; /* the place of the triangle, or of the first triangle */
+    int are_packets;   /* 1: a vector of packets; 0: a vector of triangles */
     int has_intercepts;
 };
 
-/* The numbers of pairs in a row of hulls, and in one of a leaf. */
+/* What pairs have in a row of hulls, and in a row of a leaf. */
 MLRT_INLINE vf hull_row(const struct hull_pairs *pairs, const float *row)
 {
     return pairs->are_packets ? v_load(row + pairs->place) : v_set1(row[pairs->place]);
@@ -64,7 +64,7 @@ MLRT_INLINE void bound_edge(const struct hull_pairs *pairs, int i, vf *least, vf
                      pairs->has_intercepts ? MLRT_RAY_TERMS : 2, least, greatest);
 }
 
-/* Error bounds of edge functions for the rays of packets (L5), so many times. */
+/* Error bounds of edge functions for the rays of packets (L5), multiplied by `times`. */
 MLRT_INLINE vf edge_bounds(const struct hull_pairs *pairs, float times)
 {
     const vf size = hull_row(pairs, pairs->hulls->filter.direction_size),
@@ -74,24 +74,24 @@ MLRT_INLINE vf edge_bounds(const struct hull_pairs *pairs, float times)
     return v_mul_add(steepness, v_mul(hull_row(pairs, pairs->hulls->filter.blur), size), bound);
 }
 
-/* What hulls tell of triangles. */
-struct triangles_of_hulls {
+/* What hulls tell of triangles: for each pair, all rays of the packet and the triangle. */
+struct seen_pairs {
     vm out;      /* no ray hits the triangle */
     vm inside;   /* all rays pass inside its edges */
-    vm sure;     /* D has one certain sign for all rays, */
-    vm backward; /* which is -1 */
-    vf least_d;
+    vm sure;     /* D has one certain sign for all rays */
+    vm backward; /* this sign is -1 */
+    vf least_d;  /* without rounding errors */
     vf greatest_d;
     vf near; /* where `sure`: depths between which all rays meet its plane (bound_depths, cover.h) */
     vf far;
 };
 
 /*
- * A triangle is left out if all rays pass outside of one edge, and D has one sign; or if all rays pass two edges on
- * different sides. For rays from the waist a hit has no negative edge function (leaf.h, "FROM THE WAIST"); D is
- * compared only for vectors of packets then.
+ * Sets all of *of but the depths. A triangle is left out if all rays pass outside of one edge, and D has one sign; or
+ * if all rays pass two edges on different sides. For rays from the waist, a hit has no negative edge function (leaf.h,
+ * "FROM THE WAIST"). D is then compared only for vectors of packets.
  */
-MLRT_INLINE void see_triangles(const struct hull_pairs *pairs, struct triangles_of_hulls *of)
+MLRT_INLINE void see_pairs(const struct hull_pairs *pairs, struct seen_pairs *of)
 {
     const struct mlrt_bundle_leaf *leaf = pairs->leaf;
     vf lowest = v_set1(INFINITY), highest = v_set1(-INFINITY), inner_low = lowest, inner_high = highest, least,
@@ -130,29 +130,29 @@ MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, co
     uint32_t met = 0;
     for (uint32_t v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
         const struct hull_pairs pairs = {&bundle->hulls, leaf, place, v, 0, has_intercepts};
-        struct triangles_of_hulls of;
+        struct seen_pairs of;
         if (!(among >> v & ALL_LANES)) continue;
-        see_triangles(&pairs, &of);
+        see_pairs(&pairs, &of);
         met |= (~m_bits(of.out) & ALL_LANES) << v;
     }
     return met & among;
 }
 
 /* Returns the triangles of `seen` that a packet may hit, by outlines and then by edges. */
-MLRT_INLINE uint32_t cut_triangles_by(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                      uint32_t place, int has_intercepts, uint32_t seen)
+MLRT_INLINE uint32_t packet_triangles_met_by(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                             uint32_t place, int has_intercepts, uint32_t seen)
 {
     struct mlrt_hull hull;
     take_hull(bundle, place, &hull);
-    const uint32_t met = triangles_met(bundle, leaf, &hull, has_intercepts, seen);
+    const uint32_t met = outlines_met(bundle, leaf, &hull, has_intercepts, seen);
     return met ? triangles_within_edges(bundle, leaf, place, has_intercepts, met) : 0;
 }
 
-static MLRT_NOINLINE uint32_t cut_triangles(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                            uint32_t place, uint32_t seen)
+static MLRT_NOINLINE uint32_t packet_triangles_met(const struct mlrt_bundle *bundle,
+                                                   const struct mlrt_bundle_leaf *leaf, uint32_t place, uint32_t seen)
 {
-    return bundle->has.intercepts ? cut_triangles_by(bundle, leaf, place, 1, seen)
-                                  : cut_triangles_by(bundle, leaf, place, 0, seen);
+    return bundle->has.intercepts ? packet_triangles_met_by(bundle, leaf, place, 1, seen)
+                                  : packet_triangles_met_by(bundle, leaf, place, 0, seen);
 }
 
 #endif
