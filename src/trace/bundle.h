@@ -14,8 +14,12 @@
  * Distances along a ray are measured in depth from its origin: tau = t |d_main|. Hits have no negative tau, and of two
  * hits the nearer one has the smaller tau.
  *
- * As an index, `place` is the position of a packet in its tile, or of a triangle in its leaf. L1, L2, ... are the
- * lemmas of docs/accuracy.md, "Bundles".
+ * A packet is closed while none of its rays has been tested: all of them hit one triangle, its cover, or none so far
+ * (cover.h). A cell is a packet, or a tile, of which only the hull is known: its rays are not made (cells.h).
+ *
+ * As an index, `place` is the position of a packet in its tile, or of a triangle in its leaf; where both occur,
+ * `triangle` is the latter. `number` is that of a triangle in the tree. L1, L2, ... are the lemmas of docs/accuracy.md,
+ * "Bundles".
  */
 #ifndef MLRT_TRACE_BUNDLE_H
 #define MLRT_TRACE_BUNDLE_H
@@ -138,7 +142,7 @@ struct mlrt_array_cells;
 /* What the rays of a bundle have. */
 struct mlrt_bundle_traits {
     int intercepts; /* 0: all rays start at the waist, and all intercepts are 0 */
-    int apex;       /* the waist is the origin of rays */
+    int apex;       /* `apex` of the bundle is set: rays may start there */
     int begins;     /* at least one t_min is above 0 */
 };
 
@@ -173,7 +177,7 @@ struct mlrt_bundle_state {
 struct mlrt_bundle {
     struct mlrt_waist waist;
     struct mlrt_bundle_traits has;
-    float apex[3];    /* the waist, not in units, if has.apex */
+    float apex[3];    /* with has.apex: the waist, not in units */
     int far_first;    /* the farthest boxes are opened first */
     int ends_at_skip; /* rays that are not made yet end before the plane of the triangle that they skip */
     struct mlrt_bundle_scene scene;
@@ -182,13 +186,13 @@ struct mlrt_bundle {
     struct mlrt_bundle_state state;
     struct mlrt_bundle_cache *cache;
     struct mlrt_ray_tile *tile;      /* which has the packets; NULL: they stand for tiles */
-    struct mlrt_array_cells *arrays; /* of cells without rays: where to read them (cells.h); NULL: from nowhere */
+    struct mlrt_array_cells *arrays; /* of cells of the caller's arrays: how to read their rays (cells.h); else NULL */
 };
 
 /* Which triangles of a leaf are set up, and how. */
 struct mlrt_leaf_state {
     uint32_t there;      /* places with a triangle that the call's common mask shows */
-    uint32_t from_waist; /* of these, the triangles whose planes do not contain the waist, as far as is known */
+    uint32_t from_waist; /* of these, all whose planes are not known to contain the waist */
     uint32_t flipped;    /* all coefficients are negated, so that N at the waist is not negative */
     uint32_t doubtful;   /* float does not tell the sign of N at the waist, and the judge has not been asked */
     uint32_t odd;        /* odd triangles (bvh/unit.h) */
@@ -200,9 +204,9 @@ struct mlrt_leaf_state {
 struct mlrt_leaf_outlines {
     MLRT_ALIGNED(64) float near[MLRT_BVH_LEAF_LIMIT]; /* depths between which the triangle lies */
     MLRT_ALIGNED(64) float far[MLRT_BVH_LEAF_LIMIT];
-    MLRT_ALIGNED(64) float lo[2][MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float lo[2][MLRT_BVH_LEAF_LIMIT]; /* along j and l: slopes of a fan, intercepts of a beam */
     MLRT_ALIGNED(64) float hi[2][MLRT_BVH_LEAF_LIMIT];
-    MLRT_ALIGNED(64) float weight[MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float weight[MLRT_BVH_LEAF_LIMIT]; /* of |x| for a fan, of |s - t| for a beam */
 };
 
 /* Edge functions ab, bc, ca: a constant, and the coefficients of the terms of a ray. */
@@ -212,6 +216,7 @@ struct mlrt_leaf_edges {
     MLRT_ALIGNED(64) float steepness[MLRT_BVH_LEAF_LIMIT]; /* rho: the weight of intercepts in their errors */
 };
 
+/* Planes: n and N, in units of the size of n (leaf.h). */
 struct mlrt_leaf_planes {
     MLRT_ALIGNED(64) float normal[3][MLRT_BVH_LEAF_LIMIT];
     MLRT_ALIGNED(64) float distance[MLRT_BVH_LEAF_LIMIT]; /* N at the waist */
@@ -267,10 +272,10 @@ struct mlrt_bundle_cache {
 
 /* An edge of a triangle inside of which not all rays of a cell pass. */
 struct mlrt_open_edge {
-    float first[3]; /* its ends: the inside is on one side for all edges of a cell */
+    float first[3]; /* its ends, ordered so that the inside is on the same side of all edges of a cell */
     float last[3];
     uint32_t number; /* of the triangle */
-    uint32_t others; /* the edges of other triangles that are this one, turned: a bit for each */
+    uint32_t others; /* a bit for each edge of the cell that has the same ends in the other order */
 };
 
 #define MLRT_MOST_OPEN_EDGES 24
@@ -305,11 +310,11 @@ static inline void mlrt_note_attempt(int is_vain, uint32_t least, uint32_t longe
     backoff->left = backoff->length;
 }
 
-/* Of the cells of a square. */
+/* What hides the cells of a square in part. */
 struct mlrt_cover_parts {
     struct mlrt_backoff lone_squares; /* in which no cell waits for further parts */
     uint32_t waited;                  /* cells that have had a part */
-    uint32_t open[3];                 /* of the triangle at hand: see mlrt_add_cover_part */
+    uint32_t open[3];                 /* of the triangle that is offered: see mlrt_add_cover_part */
     struct mlrt_cell_parts cells[MLRT_BUNDLE_PACKETS];
 };
 

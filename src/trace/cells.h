@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cells without rays, of cameras, points and arrays: what they are, and the steps that need no vectors.
+ * Cells are packets or tiles of which only the hull is known, and whose rays are not made: of a camera, of a light, or
+ * of the caller's arrays. These are the steps to them that need no vectors.
  */
 #ifndef MLRT_TRACE_CELLS_H
 #define MLRT_TRACE_CELLS_H
@@ -20,14 +21,14 @@ void mlrt_begin_cells(uint32_t there, struct mlrt_bundle *bundle);
 struct mlrt_array_cells {
     struct mlrt_array_reader reader;
     struct mlrt_rectangle area;
-    const struct mlrt_array_layout *vectors; /* directions, or origins of parallel rays; `from` is subtracted */
-    const float *from;                       /* the waist, not in units; NULL: 0 */
+    const struct mlrt_array_layout *vectors; /* of what differs from ray to ray: directions, or points */
+    const float *from;                       /* subtracted from these for hulls: the waist, not in units; NULL: 0 */
     float middle[3];                         /* the waist of parallel rays */
     int are_parallel;
     int have_ends;                             /* they end at t = 1 */
     float slope[2];                            /* of parallel rays */
     float unit;                                /* of the bundle */
-    struct mlrt_box ends[MLRT_BUNDLE_PACKETS]; /* of the points e of each cell's rays: d, or o of parallel rays */
+    struct mlrt_box ends[MLRT_BUNDLE_PACKETS]; /* of the points e of each cell's rays: d; o if they are parallel */
 };
 
 /* Begins cells of parallel rays. Returns 0 if float does not carry them. */
@@ -45,14 +46,14 @@ struct mlrt_plane_of_cells {
     struct mlrt_plane plane;
     double distance;
     double size; /* of `distance`: what its error is relative to */
-    double sign; /* of the numbers that let a ray pass */
+    double sign; /* +-1: of `distance` - normal . e for rays that do not reach the plane */
 };
 
 /* Sets a plane, but for the sign, which differs from cell to cell. */
 void mlrt_see_plane_of_cells(const struct mlrt_array_cells *cells, const struct mlrt_triangle *triangle,
                              struct mlrt_plane_of_cells *of);
 
-/* Where a box lies: numbers of its points are at least `nearest` in the plane's sign, but for `error`. */
+/* Where a box lies: in the plane's sign, `distance` - normal . e is at least `nearest` - `error` for its points e. */
 struct mlrt_side_of_box {
     double nearest;
     double error;
