@@ -32,7 +32,7 @@
 /* ---- cells ------------------------------------------------------------------------------------------------------- */
 
 struct scene {
-    struct mlrt_triangle triangles[MLRT_CELL_COUNT];
+    struct mlrt_triangle triangles[MLRT_BUNDLE_PACKETS];
     struct mlrt_tree tree;
     struct mlrt_source light;
     float eye[3];
@@ -347,7 +347,7 @@ static void draw_scene(struct random *random, struct scene *scene)
     scene->seen.waist.main_axis = (int)draw_below(random, 3);
     scene->seen.waist.sign = draw_sign(random);
     draw_point(random, -1, 1, scene->eye);
-    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+    for (uint32_t place = 0; place < MLRT_BUNDLE_PACKETS; ++place) {
         d[scene->seen.waist.main_axis] = scene->seen.waist.sign;
         for (uint32_t side = 0; side < 2; ++side) {
             const float lo = first[side] + 0.25f * width * (float)(side ? place / 4 : place % 4);
@@ -381,7 +381,7 @@ static void sixteen_cells(void **state)
     for (size_t i = 0; i < scaled(20000); ++i) {
         draw_scene(&random, &scene);
         make_cells(&scene, draw_below(&random, 2) ? 0xFFFF : draw_below(&random, 0xFFFF) + 1);
-        for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+        for (uint32_t place = 0; place < MLRT_BUNDLE_PACKETS; ++place) {
             const float at[2] = {draw_range(&random, 0, 1), draw_range(&random, 0, 1)};
             if (!check_cell(&scene, place, at, draw_range(&random, 0.1f, 10), &parts)) continue;
             known += scene.known >> place & 1;

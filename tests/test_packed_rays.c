@@ -509,7 +509,7 @@ static uint32_t compare_tiles(const struct mlrt_source *source, const struct rea
             const struct mlrt_rectangle area = mlrt_cut_piece(&whole, x, y, 16);
             mlrt_begin_tile(&area, 0, &tile);
             readers->read_packets(source, &tile);
-            for (uint32_t place = 0; place < MLRT_CELL_COUNT; place++) {
+            for (uint32_t place = 0; place < MLRT_BUNDLE_PACKETS; place++) {
                 if (!(tile.blocks >> place & 1)) continue;
                 struct mlrt_packet packet;
                 const struct mlrt_rectangle block = mlrt_block_of_tile(&tile, place);

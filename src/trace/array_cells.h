@@ -186,7 +186,7 @@ static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rect
     mlrt_begin_cells(0, bundle);
     bundle->arrays = cells;
     if (cells->are_parallel && !mlrt_begin_parallel_cells(&job->tree->bvh, cells, &bundle->waist)) return 0;
-    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+    for (uint32_t place = 0; place < MLRT_BUNDLE_PACKETS; ++place) {
         const struct mlrt_rectangle tile = tile_of_cell(area, place);
         const size_t first = (size_t)tile.y * source->width + tile.x;
         if (16 * (place % 4) >= area->width || 16 * (place / 4) >= area->height) continue;

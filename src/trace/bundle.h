@@ -31,7 +31,7 @@
 #include "hits/shadow_ray.h"
 #include "rays/packet.h"
 
-#define MLRT_BUNDLE_PACKETS 16
+#define MLRT_BUNDLE_PACKETS 16 /* or tiles */
 
 /* How far edge functions of rays that start at the waist are off, in units of size times R (leaf.h, EDGES). */
 #define EDGE_ERROR (MLRT_GUESS ? 0 : 14 * 0x1p-24f)

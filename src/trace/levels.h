@@ -149,7 +149,7 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
         const uint32_t least = job->source.kind == MLRT_SOURCE_CAMERA ? 1 : MLRT_READ_BACKOFF;
         mlrt_note_attempt(!bundle.state.closed, least, MLRT_SQUARE_BACKOFF, &worker->bundles->open_squares);
     }
-    struct known_lights known[MLRT_CELL_COUNT];
+    struct known_lights known[MLRT_BUNDLE_PACKETS];
     uint32_t known_cells = bundle.state.closed;
     if (MLRT_UNLIKELY(job->light_count) && bundle.state.closed) known_cells &= shade_cells(job, worker, &bundle, known);
     for (uint32_t j = 0; j < area->height; j += 16) {

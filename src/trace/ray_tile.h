@@ -10,8 +10,6 @@
 #include "rays/rectangle.h"
 #include "trace/bundle.h"
 
-#define MLRT_CELL_COUNT MLRT_BUNDLE_PACKETS
-
 /* Sets of packets have a bit per place. A tile of shadow rays refers to that of the picture's rays. */
 struct mlrt_ray_tile {
     struct mlrt_rectangle area;
@@ -22,10 +20,10 @@ struct mlrt_ray_tile {
     struct mlrt_ray_tile *seen;         /* the tile of the picture with these hits; NULL: this is such a tile */
     struct mlrt_kept_surface *surfaces; /* with `seen`: a table (shadow_ray.h) */
     const struct mlrt_bundle *cells;    /* the bundle with the covers of this tile's closed packets */
-    uint32_t dark[MLRT_CELL_COUNT];     /* lanes without a shadow ray, because the light is behind the surface */
-    struct mlrt_packet packets[MLRT_CELL_COUNT];
-    struct mlrt_bundle_rays rays[MLRT_CELL_COUNT];
-    struct mlrt_reciprocals reciprocals[MLRT_CELL_COUNT];
+    uint32_t dark[MLRT_BUNDLE_PACKETS]; /* lanes without a shadow ray, because the light is behind the surface */
+    struct mlrt_packet packets[MLRT_BUNDLE_PACKETS];
+    struct mlrt_bundle_rays rays[MLRT_BUNDLE_PACKETS];
+    struct mlrt_reciprocals reciprocals[MLRT_BUNDLE_PACKETS];
 };
 
 /* One bit for each packet in the first `columns` columns and `rows` rows; a list has one column of sixteen. */

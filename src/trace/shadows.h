@@ -39,11 +39,12 @@ static uint32_t covered_cells(const struct mlrt_bundle *bundle)
 
 /* Decides lights for the closed cells of a square, into `known`. Returns the cells for which all lights are decided. */
 static MLRT_NOINLINE uint32_t shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                          const struct mlrt_bundle *seen, struct known_lights known[MLRT_CELL_COUNT])
+                                          const struct mlrt_bundle *seen,
+                                          struct known_lights known[MLRT_BUNDLE_PACKETS])
 {
     const uint32_t covered = covered_cells(seen);
     uint32_t all = seen->state.closed;
-    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+    for (uint32_t place = 0; place < MLRT_BUNDLE_PACKETS; ++place) {
         known[place] = (struct known_lights){seen->hulls.closed.cover[place], 0, 0};
     }
     for (uint32_t i = 0; i < job->light_count; ++i) {
@@ -69,7 +70,7 @@ static MLRT_NOINLINE uint32_t shade_cells(const struct mlrt_job *job, struct mlr
 
 /* Finds the lanes of a tile's packets that a light does not reach. */
 static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *light, struct mlrt_worker *worker,
-                          struct mlrt_ray_tile *seen, uint32_t dark_lanes[MLRT_CELL_COUNT])
+                          struct mlrt_ray_tile *seen, uint32_t dark_lanes[MLRT_BUNDLE_PACKETS])
 {
     struct mlrt_ray_tile tile;
     struct mlrt_bundle bundle;
@@ -92,7 +93,7 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
     }
     trace_bundle(light, worker, &bundle, waiting);
     dark |= cells & covered_cells(&bundle);
-    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+    for (uint32_t place = 0; place < MLRT_BUNDLE_PACKETS; ++place) {
         dark_lanes[place] = dark >> place & 1 ? 0xFFFF : 0;
         if (!(tile.made >> place & 1)) continue;
         COUNT(&worker->counters, ray_count, mlrt_count_bits(find_seen(job, seen, place) & ~tile.dark[place]));
@@ -108,13 +109,13 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
 static MLRT_NOINLINE void shade_tile(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                                      const struct known_lights *known)
 {
-    MLRT_ALIGNED(16) uint8_t shadows[MLRT_CELL_COUNT][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(16) uint8_t shadows[MLRT_BUNDLE_PACKETS][MLRT_PACKET_RAYS];
     memset(shadows, known ? known->dark : 0, sizeof shadows);
     for (uint32_t i = 0; i < job->light_count; ++i) {
-        uint32_t dark_lanes[MLRT_CELL_COUNT];
+        uint32_t dark_lanes[MLRT_BUNDLE_PACKETS];
         if (known && known->known >> i & 1) continue;
         shade_packets(job, &job->lights[i], worker, tile, dark_lanes);
-        for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+        for (uint32_t place = 0; place < MLRT_BUNDLE_PACKETS; ++place) {
             if (dark_lanes[place]) mlrt_add_shadow(shadows[place], dark_lanes[place], (uint8_t)(1u << i));
         }
     }
