@@ -51,7 +51,7 @@
  * If at least this many of the sixteen packets of a tile are covered by one triangle each, the shadows of these packets
  * begin with closed cells. All other packets get shadow rays.
  */
-#define MLRT_LEAST_LIT_CELLS 9
+#define MLRT_LEAST_SHADOW_CELLS 9
 
 /*
  * If a bundle has at least MANY_PACKETS packets, and at most FEW_PACKETS of them meet a child, then the rays of these

@@ -37,7 +37,7 @@
 /* The least D, and the errors of hit points: relative to z / D, and relative to |o - L| + 2 z + P. */
 #define LEAST_STEEPNESS 0x1p-5f
 #define ALONG_ERROR     0x1p-18f
-#define LIT_PLACE_ERROR 0x1p-20f
+#define PLACE_ERROR     0x1p-20f
 
 /* The plane of the cover of each cell. */
 struct planes {
@@ -93,9 +93,9 @@ static uint32_t find_planes(const struct mlrt_source *light, const struct mlrt_t
     return facing;
 }
 
-/* Faces the light's bundle along the shadow ray to the hit of the lowest slopes of one cell. */
-static void face_lit_cells(const struct mlrt_bundle *seen, const float from[3], const struct planes *planes,
-                           uint32_t place, struct mlrt_bundle *lit)
+/* Faces the waist of `shadows` along the shadow ray to the hit of the lowest slopes of one cell. */
+static void face_shadow_cells(const struct mlrt_bundle *seen, const float from[3], const struct planes *planes,
+                              uint32_t place, struct mlrt_bundle *shadows)
 {
     const int a = seen->waist.main_axis;
     float d[3], steepness = 0, x[3];
@@ -103,7 +103,7 @@ static void face_lit_cells(const struct mlrt_bundle *seen, const float from[3], 
     for (int side = 0; side < 2; ++side) d[mlrt_slope_axis(a, side)] = seen->hulls.term[side].lo[place];
     for (int k = 0; k < 3; ++k) steepness += planes->m[k][place] * d[k];
     for (int k = 0; k < 3; ++k) x[k] = from[k] + planes->n[place] / steepness * d[k];
-    mlrt_face_waist(x, &lit->waist);
+    mlrt_face_waist(x, &shadows->waist);
 }
 
 /* For four cells: the extremes over the hits of their corner rays. */
@@ -137,30 +137,31 @@ static MLRT_NOINLINE void add_hits(const struct mlrt_bundle *seen, const struct 
 }
 
 /* Sets the slopes and depths of four cells. Returns those whose bounds are not too wide and slopes not too steep. */
-static uint32_t set_lit_cells(const struct hit_extremes *of, const struct planes *planes, float away, uint32_t first,
-                              struct mlrt_bundle *lit)
+static uint32_t set_shadow_cells(const struct hit_extremes *of, const struct planes *planes, float away, uint32_t first,
+                                 struct mlrt_bundle *shadows)
 {
     const f4 z = of->greatest_z,
              sizes = f4_add(f4_add(f4_set1(away), f4_add(z, z)), f4_load(planes->greatest_p + first));
     const f4 along = f4_div(f4_mul(f4_set1(ALONG_ERROR), z), of->least_steepness);
-    const f4 error = f4_add(f4_add(f4_mul(f4_set1(LIT_PLACE_ERROR), sizes), along), f4_set1(SLOPE_FLOOR));
+    const f4 error = f4_add(f4_add(f4_mul(f4_set1(PLACE_ERROR), sizes), along), f4_set1(SLOPE_FLOOR));
     const f4 least = f4_sub(of->slopes.least_depth, error), greatest = f4_add(of->slopes.greatest_depth, error);
-    f4_store(lit->hulls.closed.common_last + first, f4_mul(least, f4_set1(1 - SLOPE_SLACK)));
-    f4_store(lit->hulls.last + first, f4_mul(greatest, f4_set1(1 + SLOPE_SLACK)));
-    return set_cell_slopes(&of->slopes, (const f4[3]){error, error, error}, first, &lit->hulls) &
+    f4_store(shadows->hulls.closed.common_last + first, f4_mul(least, f4_set1(1 - SLOPE_SLACK)));
+    f4_store(shadows->hulls.last + first, f4_mul(greatest, f4_set1(1 + SLOPE_SLACK)));
+    return set_cell_slopes(&of->slopes, (const f4[3]){error, error, error}, first, &shadows->hulls) &
            f4_above(of->least_steepness, f4_set1(LEAST_STEEPNESS));
 }
 
-uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_tree *tree,
-                             const struct mlrt_bundle *seen, uint32_t among, struct mlrt_bundle *lit, uint32_t *dark)
+uint32_t mlrt_make_shadow_cells(const struct mlrt_source *light, const struct mlrt_tree *tree,
+                                const struct mlrt_bundle *seen, uint32_t among, struct mlrt_bundle *shadows,
+                                uint32_t *dark)
 {
     struct planes planes;
     float from[3], away = 0;
     *dark = 0;
-    mlrt_begin_cells(0, lit);
-    lit->ends_at_skip = 1;
-    memcpy(lit->hulls.closed.skip, seen->hulls.closed.cover, sizeof lit->hulls.closed.skip);
-    memcpy(lit->waist.point, light->light, sizeof lit->waist.point);
+    mlrt_begin_cells(0, shadows);
+    shadows->ends_at_skip = 1;
+    memcpy(shadows->hulls.closed.skip, seen->hulls.closed.cover, sizeof shadows->hulls.closed.skip);
+    memcpy(shadows->waist.point, light->light, sizeof shadows->waist.point);
     for (int k = 0; k < 3; ++k) {
         if (!mlrt_is_float_safe(light->light[k])) return 0;
         from[k] = seen->waist.point[k] - light->light[k];
@@ -169,15 +170,16 @@ uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_
     memset(&planes, 0, sizeof planes);
     const uint32_t facing = find_planes(light, tree, seen, among, &planes, dark);
     if (!facing) return 0;
-    face_lit_cells(seen, from, &planes, mlrt_lowest_bit(facing), lit);
+    face_shadow_cells(seen, from, &planes, mlrt_lowest_bit(facing), shadows);
     uint32_t known = 0;
     for (uint32_t first = 0; first < MLRT_BUNDLE_PACKETS; first += 4) {
         struct hit_extremes of = {f4_set1(INFINITY), f4_set1(-INFINITY), NO_CORNERS};
         if (!(facing >> first & 15)) continue;
-        for (uint32_t corner = 0; corner < 4; ++corner) add_hits(seen, &planes, from, first, corner, &lit->waist, &of);
-        known |= set_lit_cells(&of, &planes, away, first, lit) << first;
+        for (uint32_t corner = 0; corner < 4; ++corner)
+            add_hits(seen, &planes, from, first, corner, &shadows->waist, &of);
+        known |= set_shadow_cells(&of, &planes, away, first, shadows) << first;
     }
     known &= facing;
-    lit->state.going = lit->state.closed = lit->state.apexes = known;
+    shadows->state.going = shadows->state.closed = shadows->state.apexes = known;
     return known;
 }

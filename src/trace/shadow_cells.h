@@ -9,11 +9,12 @@
 #include "trace/bundle.h"
 
 /*
- * Finds the cells of a point light for the cells `among` (bits by place, at least one) of a pinhole camera's bundle,
- * each of which one triangle covers, and makes a bundle without rays of them, whose waist is the light. Returns the
- * cells that could be found. *dark receives the cells whose cover has the light on its other side.
+ * Makes `shadows`, a bundle without rays whose waist is a point light: the shadow rays of the cells `among` (bits by
+ * place, at least one) of `seen`, a pinhole camera's bundle. One triangle covers each of these cells. Returns those
+ * that could be made. *dark receives the cells whose cover has the light on its other side.
  */
-uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_tree *tree,
-                             const struct mlrt_bundle *seen, uint32_t among, struct mlrt_bundle *lit, uint32_t *dark);
+uint32_t mlrt_make_shadow_cells(const struct mlrt_source *light, const struct mlrt_tree *tree,
+                                const struct mlrt_bundle *seen, uint32_t among, struct mlrt_bundle *shadows,
+                                uint32_t *dark);
 
 #endif

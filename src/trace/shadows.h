@@ -25,7 +25,7 @@ struct known_lights {
 };
 
 /* Can closed cells of the picture become cells of the light? Requires a pinhole camera, a point light and unit 1. */
-static int have_lit_cells(const struct mlrt_job *job, const struct mlrt_job *light)
+static int have_shadow_cells(const struct mlrt_job *job, const struct mlrt_job *light)
 {
     return job->tree->bvh.unit == 1 && mlrt_is_pinhole(&job->source) && light->source.kind == MLRT_SOURCE_POINT_LIGHT &&
            mlrt_is_within_reach(&job->tree->bvh, light->source.light);
@@ -52,8 +52,8 @@ static MLRT_NOINLINE uint32_t shade_cells(const struct mlrt_job *job, struct mlr
         struct mlrt_bundle bundle;
         uint32_t dark = 0, lit = 0;
         bundle.tile = NULL;
-        if (covered && have_lit_cells(job, light) &&
-            mlrt_make_lit_cells(&light->source, job->tree, seen, covered, &bundle, &dark)) {
+        if (covered && have_shadow_cells(job, light) &&
+            mlrt_make_shadow_cells(&light->source, job->tree, seen, covered, &bundle, &dark)) {
             trace_cells(light, worker, 0, &bundle);
             dark |= covered_cells(&bundle);
             lit = bundle.state.closed & ~dark;
@@ -82,8 +82,8 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
     bundle.tile = &tile;
     bundle.state.closed = 0;
     const uint32_t covered = covered_cells(seen->cells), missed = seen->cells->state.closed & ~covered;
-    if (mlrt_count_bits(covered) >= MLRT_LEAST_LIT_CELLS && have_lit_cells(job, light)) {
-        cells = mlrt_make_lit_cells(&light->source, job->tree, seen->cells, covered, &bundle, &dark);
+    if (mlrt_count_bits(covered) >= MLRT_LEAST_SHADOW_CELLS && have_shadow_cells(job, light)) {
+        cells = mlrt_make_shadow_cells(&light->source, job->tree, seen->cells, covered, &bundle, &dark);
     }
     for (uint32_t left = tile.blocks & ~(dark | cells | missed); left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);

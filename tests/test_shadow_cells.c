@@ -7,8 +7,8 @@
  * The search measures what is used of the slack: by how much a ray is beyond the extremes of the hits of the cell's
  * corners, without rounding, over by how much the bound is.
  *
- *     test_lit_cells        a second
- *     test_lit_cells 100    100 times the search
+ *     test_shadow_cells        a second
+ *     test_shadow_cells 100    100 times the search
  */
 #include "search.h"
 
@@ -50,7 +50,7 @@ static void make_cells(struct scene *scene, uint32_t among)
     memcpy(scene->seen.waist.point, scene->eye, sizeof scene->eye);
     memset(&scene->lit, 0x77, sizeof scene->lit);
     scene->lit.waist = (struct mlrt_waist){.sign = 1}; /* not set where all cells are dark */
-    scene->known = mlrt_make_lit_cells(&scene->light, &scene->tree, &scene->seen, among, &scene->lit, &scene->dark);
+    scene->known = mlrt_make_shadow_cells(&scene->light, &scene->tree, &scene->seen, among, &scene->lit, &scene->dark);
     assert_int_equal((scene->known | scene->dark) & ~among, 0);
     assert_int_equal(scene->known & scene->dark, 0);
 }
