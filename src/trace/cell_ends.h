@@ -68,7 +68,8 @@ static MLRT_NOINLINE int cell_skips(const struct mlrt_array_cells *cells, uint32
 
 /*
  * As find_packets_apart (cover.h), of cells of arrays: returns those of `places` none of whose rays can hit the
- * triangle at a place of a leaf: all skip it, all end before its plane, or all begin behind it.
+ * triangle: all skip it, all end before its plane, or all begin behind it. With the sign of D, N - D is positive for a
+ * ray that ends before the plane, and N negative for one that begins behind it.
  */
 static MLRT_NOINLINE uint32_t find_cells_apart(const struct mlrt_tree *tree, const struct mlrt_bundle *bundle,
                                                const struct mlrt_bundle_leaf *leaf, uint32_t triangle, uint32_t places,

@@ -267,9 +267,10 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
 }
 
 /*
- * Of closed packets that meet a triangle near their begins or ends, returns those none of whose rays reaches it: most
- * rays start on the surface that it is part of, or end before it. D has one sign for all rays of a packet. `backward`
- * has that sign relative to the waist, where depth may go down the axis; the plane has the sign as it is.
+ * Returns the packets of `places` of which no ray reaches a triangle: most rays start on the surface that it is part
+ * of, or end before it. The packets are closed and have rays, which meet the plane where they may end (`at_end`) or
+ * begin (the others). D has one sign for all rays of a packet, which is -1 in `backward`. That is D relative to the
+ * waist; if depth goes down the main axis, D of the plane has the opposite sign.
  */
 static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, const struct mlrt_bundle *bundle,
                                                  const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
@@ -279,7 +280,7 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
     const struct mlrt_triangle corners = triangle_of_leaf(tree, leaf, triangle);
     struct mlrt_plane plane;
     struct measured_lanes n = {d_set1(0), d_set1(0)};
-    const float *apex = NULL; /* of `n` */
+    const float *apex = NULL; /* whose N is in `n` */
     uint32_t apart = 0;
     mlrt_set_plane(&corners, &plane);
     if (bundle->waist.sign < 0) backward = ~backward;
@@ -339,13 +340,14 @@ MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_jo
         bound_depths(hulls, leaf, triangle, v, has_intercepts, &of);
         if (leaf->state.flipped >> triangle & 1) of.backward = m_andnot(of.sure, of.backward); /* of D, not of -D */
         const vf last = v_load(hulls->last + v), cover_near = v_load(hulls->closed.cover_near + v);
-        const vm beside = m_or(v_gt(of.near, last), v_lt(of.far, v_load(hulls->first + v))),
-                 passed = m_and(of.sure, beside);
-        const vm core = m_and(v_gt(of.near, v_load(hulls->closed.common_first + v)),
-                              v_lt(of.far, v_load(hulls->closed.common_last + v)));
-        const vm covers = m_and(m_and(of.inside, core), v_lt(of.far, cover_near));
-        const vm known = i_eq(i_load(hulls->closed.cover + v), i_set1(number));
+        const vm out_of_depth = m_or(v_gt(of.near, last), v_lt(of.far, v_load(hulls->first + v))),
+                 passed = m_and(of.sure, out_of_depth);
+        const vm in_common = m_and(v_gt(of.near, v_load(hulls->closed.common_first + v)),
+                                   v_lt(of.far, v_load(hulls->closed.common_last + v)));
+        const vm covers = m_and(m_and(of.inside, in_common), v_lt(of.far, cover_near));
+        const vm is_cover = i_eq(i_load(hulls->closed.cover + v), i_set1(number));
         uint32_t met = asked & ~m_bits(m_or(of.out, passed)), skipping = 0;
+        /* Where rays begin or end: can they reach the triangle? */
         if (met & bundle->state.closed >> v) {
             const vm near_begin = v_lt(of.near, v_load(hulls->closed.common_first + v));
             const vf common_last = v_load(hulls->closed.common_last + v), ends = v_sub(last, common_last);
@@ -355,25 +357,26 @@ MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_jo
              * Only packets that meet the plane near an end: most others are opened all the same, and to test them takes
              * 1.5 % of the time (shadow rays of erw6).
              */
-            const uint32_t may_be = m_bits(m_and(of.sure, m_or(near_begin, near_end))) & met;
+            const uint32_t near_ends = m_bits(m_and(of.sure, m_or(near_begin, near_end))) & met;
             const uint32_t made = (bundle->tile ? bundle->tile->made : 0) >> v,
-                           those = (may_be & made) << v & bundle->state.closed;
-            const uint32_t others = may_be & bundle->state.closed >> v & ~made;
-            if (others && bundle->ends_at_skip) { /* see "CELLS OF A LIGHT" */
+                           packets = (near_ends & made) << v & bundle->state.closed;
+            const uint32_t cells = near_ends & bundle->state.closed >> v & ~made;
+            if (cells && bundle->ends_at_skip) { /* see "CELLS OF A LIGHT" */
                 const struct order_of_packets order =
-                    find_order(job, worker, bundle, number, hulls->closed.skip, others, v, &of);
+                    find_order(job, worker, bundle, number, hulls->closed.skip, cells, v, &of);
                 met &= ~(order.in_plane | order.farther);
             }
-            if (others && bundle->arrays)
-                met &= ~(find_cells_apart(job->tree, bundle, leaf, triangle, others << v, ~m_bits(near_begin) << v,
+            if (cells && bundle->arrays)
+                met &= ~(find_cells_apart(job->tree, bundle, leaf, triangle, cells << v, ~m_bits(near_begin) << v,
                                           m_bits(of.backward) << v) >>
                          v);
-            if (those) {
-                met &= ~(find_packets_apart(job->tree, bundle, leaf, triangle, those, ~m_bits(near_begin) << v,
+            if (packets) {
+                met &= ~(find_packets_apart(job->tree, bundle, leaf, triangle, packets, ~m_bits(near_begin) << v,
                                             m_bits(of.backward) << v) >>
                          v);
             }
         }
+        /* Do rays skip it? */
         const uint32_t with_rays = (bundle->tile ? bundle->tile->made : 0) >> v & bundle->state.closed >> v;
         const uint32_t without = bundle->state.closed >> v & ~with_rays;
         met &= ~(m_bits(i_eq(i_load(hulls->closed.skip + v), i_set1(number))) & without);
@@ -387,26 +390,28 @@ MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_jo
             skipping |= bit;
             if (lanes == bundle->tile->packets[place].active) met &= ~bit;
         }
-        offered.may |= (met & ~(m_bits(known) & bundle->state.closed >> v)) << v;
-        const uint32_t closed = met & bundle->state.closed >> v & ~(m_bits(known) | skipping);
-        const uint32_t these = m_bits(covers) & closed;
-        if (these) {
-            const vm kept = m_from_bits(these);
-            offered.covered |= these << v;
+        /* Does it cover closed packets, or hide cells in part? */
+        offered.may |= (met & ~(m_bits(is_cover) & bundle->state.closed >> v)) << v;
+        const uint32_t closed = met & bundle->state.closed >> v & ~(m_bits(is_cover) | skipping);
+        const uint32_t covered = m_bits(covers) & closed;
+        if (covered) {
+            const vm kept = m_from_bits(covered);
+            offered.covered |= covered << v;
             v_store(hulls->last + v, v_select(kept, v_min(of.far, last), last));
             v_store(hulls->closed.cover_near + v, v_select(kept, of.near, cover_near));
             i_store(hulls->closed.cover + v, i_select(kept, i_set1(number), i_load(hulls->closed.cover + v)));
         }
         if (bundle->arrays && !worker->bundles->parts.lone_squares.left) {
-            const uint32_t in_part = closed & ~these & m_bits(m_and(of.sure, core));
+            const uint32_t in_part = closed & ~covered & m_bits(m_and(of.sure, in_common));
             offered.in_part |= in_part << v;
             offered.backward |= m_bits(of.backward) << v;
             if (in_part) find_open_edges(bundle, leaf, triangle, v, m_bits(of.backward), worker->bundles->parts.open);
         }
-        const uint32_t doubtful = job->any ? 0 : closed & ~these;
+        /* Which comes first, the triangle or the cover? */
+        const uint32_t doubtful = job->any ? 0 : closed & ~covered;
         if (!doubtful) continue;
         offered.may &=
-            ~(settle_covers(job, worker, bundle, number, doubtful, m_bits(m_and(of.inside, core)), v, &of) << v);
+            ~(settle_covers(job, worker, bundle, number, doubtful, m_bits(m_and(of.inside, in_common)), v, &of) << v);
     }
     return offered;
 }
