@@ -165,9 +165,9 @@ struct mlrt_bundle_state {
     uint32_t set_aside;                  /* to be traced lane by lane after the bundle */
     uint32_t has_lanes;                  /* tile->rays have the numbers of their rays */
     uint32_t has_reciprocals;            /* tile->reciprocals are set */
-    uint32_t divided;                    /* are traced in two parts */
+    uint32_t divided;                    /* are traced in two halves */
     uint32_t tests[MLRT_BUNDLE_PACKETS]; /* of triangles that no ray could hit */
-    uint16_t later[MLRT_BUNDLE_PACKETS]; /* rays of the second part, which is traced after the others */
+    uint16_t later[MLRT_BUNDLE_PACKETS]; /* rays of the second half, while that is put off */
 };
 
 /*

@@ -223,10 +223,8 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     return others;
 }
 
-/*
- * Traces a bundle, but for parts that are put off. Packets that are left to be traced lane by lane are in `set_aside`.
- */
-static void trace_first_parts(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
+/* Takes the packets of a bundle down the hierarchy, but for halves that are put off. */
+static void trace_pass(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
     traverse_bundle(job, worker, bundle);
     uint32_t rest = 0;
@@ -248,34 +246,34 @@ static void trace_first_parts(const struct mlrt_job *job, struct mlrt_worker *wo
     }
 }
 
-/* Traces a bundle, and ends its packets. Those that are left to be traced lane by lane are in `set_aside`. */
+/* Traces a bundle, and second halves of packets in another pass. Packets left to go lane by lane are in `set_aside`. */
 static void trace_going_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
-    uint32_t first[MLRT_BUNDLE_PACKETS], places = 0;
+    uint32_t first_half[MLRT_BUNDLE_PACKETS], halved = 0;
     sum_up_hulls(bundle);
     bundle->far_first = job->any && ends_closer(bundle);
     keep_bundle_waist(&bundle->waist, bundle->cache);
-    trace_first_parts(job, worker, bundle);
+    trace_pass(job, worker, bundle);
     const uint32_t going = bundle->state.going;
     for (uint32_t left = bundle->state.divided; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         if (!bundle->state.later[place]) continue;
-        places |= left & (0u - left);
-        first[place] = bundle->tile->packets[place].active;
+        halved |= left & (0u - left);
+        first_half[place] = bundle->tile->packets[place].active;
         bundle->tile->packets[place].active = bundle->state.later[place];
         bundle->state.later[place] = 0;
         bundle->state.tests[place] = 0;
     }
-    if (!places) return;
-    for (uint32_t left = going & ~places; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
-    bundle->state.going = places;
-    for (uint32_t left = places; left; left &= left - 1) bound_packet(bundle, mlrt_lowest_bit(left));
-    finish_again(bundle, places);
+    if (!halved) return;
+    for (uint32_t left = going & ~halved; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
+    bundle->state.going = halved;
+    for (uint32_t left = halved; left; left &= left - 1) bound_packet(bundle, mlrt_lowest_bit(left));
+    finish_again(bundle, halved);
     sum_up_hulls(bundle);
-    trace_first_parts(job, worker, bundle);
+    trace_pass(job, worker, bundle);
     bundle->state.going |= going;
-    for (uint32_t left = places; left; left &= left - 1) {
-        bundle->tile->packets[mlrt_lowest_bit(left)].active |= first[mlrt_lowest_bit(left)];
+    for (uint32_t left = halved; left; left &= left - 1) {
+        bundle->tile->packets[mlrt_lowest_bit(left)].active |= first_half[mlrt_lowest_bit(left)];
     }
 }
 
