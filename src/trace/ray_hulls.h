@@ -3,6 +3,10 @@
  * The rays of a tile as a bundle (bundle.h): the terms of its rays, and the hulls of its packets. L2, L3, ... are the
  * lemmas of docs/accuracy.md, "Bundles", which derive the bounds.
  *
+ * A hull is made in steps: bound_rays finds the extremes of a packet's rays, hulls_fit sets A and tells which packets
+ * float carries, finish_depths and finish_hulls move the extremes apart. make_lanes computes the numbers of each ray,
+ * when the first is tested. bound_packet finds the extremes again, when fewer rays are active.
+ *
  * RAYS, u = 2^-24. The origin o relative to the waist, with the sign of the main axis, has 1 rounding per component. A
  * slope s_j = d_j / |d_main| has 1 in lanes, and 2 in hulls, which multiply by a reciprocal (L2). For the rays of a
  * packet, let R be at least 1 and 2 |s_j|, A at least |o_main|, 2 |o_j| and 2 |o_l|, and X at least |x_j| and |x_l|.
@@ -81,7 +85,7 @@ static MLRT_NOINLINE void update_last_depths(struct mlrt_bundle *bundle, uint32_
     }
 }
 
-/* What is least over the rays of a packet; two numbers, along j and l, of slopes and intercepts. */
+/* Least numbers over the rays of a packet; of those to be greatest, negated. Slopes and intercepts have two: j, l. */
 enum least_term {
     LEAST_SLOPE_TERM,
     LEAST_MINUS_SLOPE = 2,
@@ -142,10 +146,7 @@ static MLRT_NOINLINE void bound_packet(struct mlrt_bundle *bundle, uint32_t plac
     keep_extremes(of, place, &bundle->hulls);
 }
 
-/*
- * Do all rays of a packet start at the waist? `apex` is the waist, not in units. If so, sets apex and has.apex of the
- * packet.
- */
+/* Do all rays of a packet start at the waist, `apex` (not in units)? If so, sets apex and has.apex of the packet. */
 MLRT_INLINE int starts_at_waist(const float apex[3], struct mlrt_packet *packet)
 {
     vm same = m_from_bits(ALL_LANES);
@@ -200,9 +201,7 @@ MLRT_INLINE vm exact_in_units(const struct mlrt_bundle *bundle, const struct mlr
     return exact;
 }
 
-/*
- * Copies an active ray to all lanes that are not active, so that no lane has to be masked when the packet is bounded.
- */
+/* Copies an active ray to all lanes that are not active, so that none has to be masked when the packet is bounded. */
 static MLRT_NOINLINE void fill_idle_lanes(struct mlrt_packet *packet)
 {
     const uint32_t first = mlrt_lowest_bit(packet->active);
@@ -370,7 +369,7 @@ static MLRT_NOINLINE uint32_t hulls_fit(struct mlrt_bundle *bundle, uint32_t pla
     return fit;
 }
 
-/* Computes the numbers of a packet's rays, lane by lane. They have no hits so far. */
+/* Computes the numbers of a packet's rays, which have no hits so far. */
 static MLRT_NOINLINE void make_lanes(struct mlrt_bundle *bundle, uint32_t place)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
