@@ -95,9 +95,10 @@ static void find_spread(const struct ray_sample *samples, uint32_t count, const 
 }
 
 /*
- * Chooses the waist of rays from samples: at the depth where they lie closest together, -cov(x, s) / var(s). The waist
- * of the last tile is kept while it is nearly as good, so that set-ups of leaves are shared. For rays that are nearly
- * parallel the waist is in the middle of the scene. Returns 0 without samples.
+ * Chooses the waist of rays from samples: at the depth z, from the origin of the first, where x + s z has the least
+ * variance, var(x) + z (2 cov(x, s) + z var(s)). That is -cov(x, s) / var(s), but no farther outside of `bounds` than
+ * these are deep; for rays that are nearly parallel, it is their middle. The waist of the last tile is kept while it is
+ * nearly as good, so that set-ups of leaves are shared. Returns 0 without samples.
  */
 static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struct ray_sample *samples, uint32_t count,
                                       const struct mlrt_waist *last, struct mlrt_waist *waist)
@@ -114,20 +115,22 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
     if (is_apex) return 1;
     find_spread(samples, count, waist, &of);
     const float size = bounds->hi[a] - bounds->lo[a];
-    const float lowest = waist->sign > 0 ? bounds->lo[a] - waist->point[a] : waist->point[a] - bounds->hi[a];
+    const float scene_first = waist->sign > 0 ? bounds->lo[a] - waist->point[a] : waist->point[a] - bounds->hi[a];
     const int is_beam = !(of.slope_slope * size * size > 1e-8f * size * size + 1e-5f * of.intercept_intercept);
-    float depth = is_beam ? lowest + 0.5f * size : -of.slope_intercept / of.slope_slope;
-    if (!(depth > lowest - size)) depth = lowest - size;
-    if (depth > lowest + 2 * size) depth = lowest + 2 * size;
+    float depth = is_beam ? scene_first + 0.5f * size : -of.slope_intercept / of.slope_slope;
+    if (!(depth > scene_first - size)) depth = scene_first - size;
+    if (depth > scene_first + 2 * size) depth = scene_first + 2 * size;
     if (last->main_axis == a && last->sign == waist->sign && last->is_beam == is_beam) {
-        const float there = (last->point[a] - waist->point[a]) * waist->sign, away = fabsf(there - lowest);
-        const float variance = of.intercept_intercept + there * (2 * of.slope_intercept + there * of.slope_slope);
-        const float least = of.intercept_intercept + depth * (2 * of.slope_intercept + depth * of.slope_slope);
-        const float other = (away + size) * (away + size);
-        const float turn = (of.slope[0] - last->slope[0]) * (of.slope[0] - last->slope[0]) +
-                           (of.slope[1] - last->slope[1]) * (of.slope[1] - last->slope[1]);
-        const int is_along = is_beam && turn * size * size <= 0.25f * of.intercept_intercept;
-        if (variance <= 1.5f * least + 1e-3f * of.slope_slope * other && (is_beam ? is_along : away <= 3 * size)) {
+        const float last_z = (last->point[a] - waist->point[a]) * waist->sign, away = fabsf(last_z - scene_first);
+        const float last_variance =
+            of.intercept_intercept + last_z * (2 * of.slope_intercept + last_z * of.slope_slope);
+        const float variance = of.intercept_intercept + depth * (2 * of.slope_intercept + depth * of.slope_slope);
+        const float reach_squared = (away + size) * (away + size);
+        const float turn_squared = (of.slope[0] - last->slope[0]) * (of.slope[0] - last->slope[0]) +
+                                   (of.slope[1] - last->slope[1]) * (of.slope[1] - last->slope[1]);
+        const int is_along = is_beam && turn_squared * size * size <= 0.25f * of.intercept_intercept;
+        if (last_variance <= 1.5f * variance + 1e-3f * of.slope_slope * reach_squared &&
+            (is_beam ? is_along : away <= 3 * size)) {
             *waist = *last;
             return 1;
         }
