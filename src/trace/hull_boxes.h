@@ -80,14 +80,14 @@ MLRT_INLINE uint32_t bundle_children_met(const struct mlrt_bundle *bundle, const
             const int j = mlrt_slope_axis(a, i);
             const float lo = whole->lo[MLRT_SLOPE_J + i], hi = whole->hi[MLRT_SLOPE_J + i];
             vf upper = greatest_product(from, to, lo, hi, has_intercepts);
-            vf lower = greatest_product(from, to, -hi, -lo, has_intercepts); /* negated */
+            vf minus_lower = greatest_product(from, to, -hi, -lo, has_intercepts);
             const vf least = v_sub(v_load(node->lo[j] + v), v_set1(waist->point[j]));
-            const vf greatest = v_sub(v_set1(waist->point[j]), v_load(node->hi[j] + v));
+            const vf minus_greatest = v_sub(v_set1(waist->point[j]), v_load(node->hi[j] + v));
             if (has_intercepts) {
                 upper = v_add(upper, v_set1(whole->hi[MLRT_INTERCEPT_J + i]));
-                lower = v_sub(lower, v_set1(whole->lo[MLRT_INTERCEPT_J + i]));
+                minus_lower = v_sub(minus_lower, v_set1(whole->lo[MLRT_INTERCEPT_J + i]));
             }
-            may = m_and(may, m_and(v_le(least, upper), v_le(greatest, lower)));
+            may = m_and(may, m_and(v_le(least, upper), v_le(minus_greatest, minus_lower)));
         }
         v_store(near + v, from);
         met |= m_bits(may) << v;
