@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The float filter of a packet against a triangle. With bounds on its errors, float arithmetic decides nearly all rays:
- * surely a miss or farther, or surely a nearer hit. The undecided lanes go to close_calls.h, and at last to the judge.
+ * The float filter of rays against triangles. With bounds on its errors, float arithmetic decides nearly all tests:
+ * surely a miss or farther, or surely a nearer hit. What is undecided goes to close_calls.h, and at last to the judge.
+ * The bounds below are those of a packet against a triangle; those of single rays and lanes are in
+ * trace/triangle_test.h, those of bundles in trace/leaf.h.
  *
  * WHAT IS COMPUTED. Relative to the origin o let a = fl(v_i - o), b = fl(v_j - o), and g = fl(v_j - v_i) from the
  * corners themselves. Then
@@ -101,7 +103,7 @@ MLRT_INLINE void scaled_cross_product(const vf sum[3], const vf edge[3], uint32_
     for (int k = 0; k < 3; ++k) cross[k] = v_mul(cross[k], scale);
 }
 
-/* The filter's verdict on a vector of rays. Lanes in neither of the first two surely miss, or hit no nearer. */
+/* The filter's verdict on a vector of tests. Those in neither of the first two surely miss, or hit no nearer. */
 struct verdict {
     vm nearer; /* surely hit, surely before the nearest hit so far */
     vm undecided;
@@ -112,11 +114,11 @@ struct verdict {
 
 /* The numbers that the filter compares, and bounds of their errors. */
 struct float_test {
-    vf inner;      /* how far inside of the edges: the least of the edge functions, or of their opposites */
-    vf edge_bound; /* of that */
-    vf determinant;
-    vf plane_bound;
-    vf distance;
+    vf inner; /* how far inside of the edges: the least of the edge functions, or of their opposites */
+    vf edge_bound;
+    vf determinant; /* D */
+    vf plane_bound; /* of D */
+    vf distance;    /* N, which is t D */
     vf distance_bound;
 };
 
