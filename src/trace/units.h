@@ -86,7 +86,7 @@ static MLRT_NOINLINE void check_packet_in_units(uint32_t lanes, float unit, floa
     packet->in_double = valid & ~packet->active;
 }
 
-/* Copies the nearest hit of a lane of a packet to another one, in which t is so many times as large. */
+/* Copies the nearest hit of a lane to another packet, in which t is `times` as large. */
 static void copy_nearest(const struct mlrt_packet *from, uint32_t lane, double times, struct mlrt_packet *to)
 {
     to->nearest.triangle[lane] = from->nearest.triangle[lane];
@@ -94,9 +94,7 @@ static void copy_nearest(const struct mlrt_packet *from, uint32_t lane, double t
     to->nearest.hi[lane] = mlrt_float_up(from->nearest.hi[lane] * times);
 }
 
-/*
- * Copies a packet into `scaled`, in units. Returns those of `lanes` that float carries there.
- */
+/* Copies a packet into `scaled`, in units. Returns those of `lanes` that float carries there. */
 static MLRT_NOINLINE uint32_t scale_packet(uint32_t lanes, float unit, float reach, struct mlrt_packet *packet,
                                            struct mlrt_scaled_packet *scaled)
 {
@@ -145,10 +143,7 @@ static MLRT_NOINLINE void take_scaled_hits(const struct mlrt_scaled_packet *scal
     }
 }
 
-/*
- * Copies the nearest hits of `lanes`, after they were decided as given, to the scaled packet. `nearer`: those that
- * changed.
- */
+/* Copies the nearest hits of `lanes` back to the scaled packet after a decision, which changed those of `nearer`. */
 static void reload_nearest(struct mlrt_scaled_packet *scaled, uint32_t lanes, uint32_t nearer)
 {
     for (; lanes; lanes &= lanes - 1) {
@@ -175,7 +170,7 @@ static MLRT_NOINLINE uint32_t decide_scaled_lanes(const struct mlrt_job *job, ui
  * Does a ray as given surely miss the box of a triangle? Leaves with odd triangles have boxes without bounds, so such a
  * triangle is tested with every ray that comes to its leaf.
  */
-static int passes_box(const struct mlrt_packet *packet, uint32_t lane, const struct mlrt_triangle *triangle)
+static int surely_misses_box(const struct mlrt_packet *packet, uint32_t lane, const struct mlrt_triangle *triangle)
 {
     double enter = packet->t_min[lane], exit = packet->nearest.hi[lane];
     for (int k = 0; k < 3; ++k) {
@@ -205,7 +200,7 @@ static int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers,
         const uint32_t place = mlrt_lowest_bit(undecided), number = numbers[place];
         if (MLRT_UNLIKELY(!job->tree->bvh.is_usual) && mlrt_is_odd(job->tree, number)) {
             const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
-            if (passes_box(packet, lane, &triangle)) continue;
+            if (surely_misses_box(packet, lane, &triangle)) continue;
         }
         hit |= mlrt_decide_lanes(job->tree, number, 1u << lane, (inside >> place & 1) << lane, packet, worker,
                                  COUNTERS(worker));
