@@ -22,7 +22,7 @@ MLRT_INLINE void get_packet(const struct mlrt_job *job, const struct mlrt_rectan
 }
 
 /* Traces the rays of a packet that float does not carry. */
-static void finish_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_packet *packet)
+static void trace_rest_in_double(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_packet *packet)
 {
     if (MLRT_UNLIKELY(packet->in_double != 0))
         mlrt_trace_in_double(job, packet->in_double, packet, worker, COUNTERS(worker));
@@ -32,7 +32,7 @@ static void finish_packet(const struct mlrt_job *job, struct mlrt_worker *worker
 static void end_packet(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t lanes,
                        const struct mlrt_rectangle *block, struct mlrt_packet *packet)
 {
-    finish_packet(job, worker, packet);
+    trace_rest_in_double(job, worker, packet);
     write_packet(job, worker, packet, lanes, block);
     if (MLRT_LIKELY(!job->light_count)) return;
     uint8_t shadows[MLRT_PACKET_RAYS];

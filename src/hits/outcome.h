@@ -37,15 +37,13 @@ MLRT_INLINE uint32_t lanes_that_see(const struct mlrt_job *job, const struct mlr
  * The lanes, of the vector from v on, that must test triangle `number`: those of `lanes` that do not skip it, and do
  * not already have it as their nearest hit (a triangle can be in several leaves).
  */
-MLRT_INLINE vm concerned_rays(const struct mlrt_packet *packet, uint32_t lanes, uint32_t number, int v)
+MLRT_INLINE vm lanes_to_test(const struct mlrt_packet *packet, uint32_t lanes, uint32_t number, int v)
 {
     const vm rays = m_andnot(m_from_bits(lanes >> v), i_eq(i_load(packet->nearest.triangle + v), i_set1(number)));
     return packet->has.skip ? m_andnot(rays, i_eq(i_load(packet->skip + v), i_set1(number))) : rays;
 }
 
-/*
- * Makes the triangle the nearest hit of the lanes where it is nearer, and adds the verdict on a vector to the outcome.
- */
+/* Makes the triangle the nearest hit of the lanes where it is nearer, and adds the verdict to the outcome. */
 MLRT_INLINE void keep_verdict(const struct verdict *verdict, uint32_t number, int v, struct mlrt_packet *packet,
                               struct outcome *outcome)
 {

@@ -87,7 +87,7 @@ MLRT_INLINE struct outcome filter_lanes(const struct mlrt_tree *tree, uint32_t n
     if (setup) set_apex_terms(setup, &terms);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         if (!(lanes >> v & ALL_LANES)) continue;
-        const vm active = concerned_rays(packet, lanes, number, v);
+        const vm active = lanes_to_test(packet, lanes, number, v);
         if (!m_bits(active)) continue;
         tested |= m_bits(active) << v;
         if (!setup) {

@@ -110,7 +110,7 @@ MLRT_INLINE uint32_t test_triangle_from_origin(const struct mlrt_job *job, const
     test.inner = inside_of_sides(dot_product(d, ca), dot_product(d, ab), test.determinant);
     vm candidates = may_be_inside(&test, m_from_bits(lanes >> v));
     if (!m_bits(candidates)) return 0;
-    candidates = m_and(candidates, concerned_rays(packet, lanes, number, v));
+    candidates = m_and(candidates, lanes_to_test(packet, lanes, number, v));
     test.plane_bound = v_set1(terms->plane_bound[place]);
     test.distance = v_set1(terms->distance[place]);
     test.distance_bound = v_set1(terms->distance_bound[place]);
@@ -192,7 +192,7 @@ MLRT_INLINE uint32_t test_triangle_against_lanes(const struct mlrt_job *job, con
     set_edge_bound(term, to, &test);
     set_plane(term, to, &test);
     const vf t_min = v_load(packet->t_min + v);
-    const vm inside = may_be_inside(&test, concerned_rays(packet, lanes, number, v));
+    const vm inside = may_be_inside(&test, lanes_to_test(packet, lanes, number, v));
     const vm candidates = may_be_nearer(&test, inside, t_min, v_load(packet->nearest.hi + v));
     if (!m_bits(candidates)) return 0; /* one branch, after distances */
     struct verdict verdict = compare_with_nearest_hits(&test, candidates, t_min, v_load(packet->nearest.lo + v));
@@ -253,7 +253,7 @@ MLRT_INLINE uint32_t test_by_lanes(const struct mlrt_job *job, uint32_t lanes, c
             d[k] = v_set1(packet->direction[k][lane]);
         }
         set_edges(term, to, d, &test);
-        if (settle_vector(job, job->any, part, term, to, t_min, lane, &nearest, &test, packet, worker)) {
+        if (test_leaf_part(job, job->any, part, term, to, t_min, lane, &nearest, &test, packet, worker)) {
             all_changed |= 1u << lane;
         }
     }

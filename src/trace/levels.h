@@ -107,7 +107,7 @@ static MLRT_NOINLINE void write_packets(const struct mlrt_job *job, struct mlrt_
         if (bundle->state.closed >> place & 1) {
             write_closed(job, worker, bundle->hulls.closed.cover[place], &block);
         } else {
-            finish_packet(job, worker, &tile->packets[place]);
+            trace_rest_in_double(job, worker, &tile->packets[place]);
             add_to_row(&tile->packets[place], mlrt_existing_lanes(&job->source, &block), &block, &row);
         }
         const int has_neighbour = (place & last_column) != last_column && open >> place & 2;

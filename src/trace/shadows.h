@@ -97,7 +97,7 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
         dark_lanes[place] = dark >> place & 1 ? 0xFFFF : 0;
         if (!(tile.made >> place & 1)) continue;
         COUNT(&worker->counters, ray_count, mlrt_count_bits(find_seen(job, seen, place) & ~tile.dark[place]));
-        finish_packet(light, worker, &tile.packets[place]);
+        trace_rest_in_double(light, worker, &tile.packets[place]);
         dark_lanes[place] = tile.dark[place] | (0xFFFF & ~lanes_of_triangle(&tile.packets[place], MLRT_NONE));
     }
 }

@@ -183,13 +183,14 @@ static MLRT_NOINLINE struct corner_rows settle_undecided(const struct mlrt_job *
 }
 
 /*
- * Decides the triangles of a part of a leaf for a lane, given edge functions and D. Sets the rest of *test. `to` goes
- * from the origin to corners a. Sets *nearest if the nearest hit changes. Returns 1 if a query for any hit has one.
+ * Tests the triangles of a part of a leaf for a lane, given edge functions and D in *test, of which it sets the rest.
+ * `to` goes from the origin to corners a. Sets *nearest if the nearest hit changes. Returns 1 if any will do, and one
+ * was found.
  */
-MLRT_INLINE int settle_vector(const struct mlrt_job *job, int any, const struct leaf_part *part,
-                              const vf term[SIDE_TERMS], const vf to[3], vf t_min, uint32_t lane,
-                              struct corner_rows *nearest, struct float_test *test, struct mlrt_packet *packet,
-                              struct mlrt_worker *worker)
+MLRT_INLINE int test_leaf_part(const struct mlrt_job *job, int any, const struct leaf_part *part,
+                               const vf term[SIDE_TERMS], const vf to[3], vf t_min, uint32_t lane,
+                               struct corner_rows *nearest, struct float_test *test, struct mlrt_packet *packet,
+                               struct mlrt_worker *worker)
 {
     set_edge_bound(term, to, test);
     const vm inside = may_be_inside(test, m_from_bits(ALL_LANES));
@@ -250,9 +251,7 @@ MLRT_INLINE void count_leaf_tests(const struct mlrt_job *job, const uint32_t *nu
     COUNT(&worker->counters, lane_test_count, count);
 }
 
-/*
- * Tests the triangles of a leaf. Sets *nearest if the nearest hit changes. Returns 1 if a query for any hit has one.
- */
+/* Tests the triangles of a leaf. Sets *nearest if the nearest hit changes. Returns 1 if a query for any hit has one. */
 MLRT_INLINE int test_leaf(const struct mlrt_job *job, int any, const struct single_ray *ray, uint32_t leaf,
                           struct corner_rows *nearest, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
@@ -269,7 +268,7 @@ MLRT_INLINE int test_leaf(const struct mlrt_job *job, int any, const struct sing
         for (int k = 0; k < 3; ++k) to[k] = v_sub(term[k], ray->origin[k]);
         set_edges(term, to, ray->direction, &test);
         set_side_sizes(ray->direction_limit, term);
-        if (settle_vector(job, any, &part, term, to, ray->t_min, ray->lane, nearest, &test, packet, worker)) return 1;
+        if (test_leaf_part(job, any, &part, term, to, ray->t_min, ray->lane, nearest, &test, packet, worker)) return 1;
         part.places >>= VW;
         if (VW == MLRT_BVH_LEAF_LIMIT || !part.places) return 0;
         part.corners += VW;
