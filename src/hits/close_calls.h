@@ -139,9 +139,7 @@ MLRT_INLINE void bound_edges(const struct close_triangle *triangle, const struct
     bound[0] = d_mul(error, ab_size), bound[1] = d_mul(error, bc_size), bound[2] = d_mul(error, ca_size);
 }
 
-/*
- * Sets the lanes, of DW, that are surely inside the edges, and surely outside. True only where the sign of D is sure.
- */
+/* Sets the lanes, of DW, that are surely inside the edges, and surely outside; valid where the sign of D is sure. */
 MLRT_INLINE void find_sides(const struct close_triangle *triangle, const struct close_bounds *bounds,
                             const struct mlrt_packet *packet, uint32_t lane, uint32_t *inside, uint32_t *outside)
 {

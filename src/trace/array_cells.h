@@ -34,7 +34,7 @@ enum array_kind {
     IS_MIXED  /* neither: there is no hull */
 };
 
-/* Do the rays at the corners of a tile skip one triangle? If not, which is common, its blocks need not be read. */
+/* Do the rays at the corners of a tile skip one triangle? If not, as mostly, those of its blocks are not read. */
 static int corners_skip_one(const struct mlrt_array_layout *skip, size_t element, size_t row_length)
 {
     const unsigned char *first = skip->data + element * skip->stride, *last = first + 15 * row_length * skip->stride;

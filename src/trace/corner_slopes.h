@@ -26,7 +26,7 @@ struct corner_slopes {
                             {f4_set1(-INFINITY), f4_set1(-INFINITY)}})
 
 /*
- * Extends `of` by one corner of each cell: points relative to the waist, by the main component, whose sign is that of
+ * Extends `of` by one corner of each cell. `point` is relative to the waist: its main component, which has the sign of
  * the waist, and the two that follow.
  */
 MLRT_INLINE void add_corner(float sign, const f4 point[3], struct corner_slopes *of)

@@ -301,8 +301,8 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
 }
 
 /*
- * Sets open[i], for the packets of a vector, to those inside of whose edge i not all rays are known to pass. D has one
- * sign for each, which is -1 for those that are `backward`.
+ * Sets open[i], for the packets of a vector, to those for which edge i is open: not all rays are known to pass inside
+ * it. D has one sign for each packet, which is -1 in `backward`.
  */
 static MLRT_NOINLINE void find_open_edges(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                           uint32_t triangle, int v, uint32_t backward, uint32_t open[3])
@@ -313,8 +313,8 @@ static MLRT_NOINLINE void find_open_edges(const struct mlrt_bundle *bundle, cons
     for (int i = 0; i < 3; ++i) {
         vf least, greatest;
         bound_edge(&pairs, i, &least, &greatest);
-        const vm closed = v_gt(v_select(turned, v_sub(v_set1(0), greatest), least), bound);
-        open[i] = (open[i] | ALL_LANES << v) & ~(m_bits(closed) << v);
+        const vm all_inside = v_gt(v_select(turned, v_sub(v_set1(0), greatest), least), bound);
+        open[i] = (open[i] | ALL_LANES << v) & ~(m_bits(all_inside) << v);
     }
 }
 

@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* Counts a new edge of a cell, and finds those that are the same. Returns 0 if there is none. */
+/* Adds edges[count] to those of a cell, and finds the same edge of other triangles. Returns 0 if there is none. */
 static int add_edge(struct mlrt_cell_parts *cell)
 {
     struct mlrt_open_edge *edge = &cell->edges[cell->count];

@@ -21,9 +21,9 @@ struct mlrt_offered_packets {
 };
 
 /*
- * Adds a triangle to what hides the cells offered->in_part, of which parts->open[i] has those inside of whose edge i
- * not all rays are known to pass. Takes those that wait now out of offered->may. Where all rays of a cell are hidden
- * now, sets its cover, and adds it to offered->covered.
+ * Adds a triangle to what hides the cells offered->in_part. parts->open[i] has the cells for which its edge i is open:
+ * not all of their rays are known to pass inside it. Takes cells that wait now out of offered->may. Where all rays of a
+ * cell are hidden now, sets its cover, and adds it to offered->covered.
  */
 void mlrt_add_cover_part(struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
                          mlrt_cell_test *skips, struct mlrt_cover_parts *parts, struct mlrt_offered_packets *offered);

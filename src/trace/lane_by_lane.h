@@ -76,7 +76,7 @@ static void trace_lanes_in_units(const struct mlrt_job *job, uint32_t lanes, str
 
 /*
  * Traces those rays of a packet that are in `lanes`. They are brought into units first if the unit is not 1, or if a
- * direction has a component that is not safe: bundles have such rays, too.
+ * direction has a component that is not safe, which only bundles carry.
  */
 static MLRT_NOINLINE void trace_lanes(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
                                       struct mlrt_worker *worker)

@@ -21,7 +21,7 @@ static int32_t build(struct mlrt_tree *tree, const void *options, struct mlrt_pr
     return MLRT_OK;
 }
 
-/* Quads of leaves are there if nodes are, and others if places are. */
+/* There are quads of leaves if there are nodes, and other quads only if there are places (bvh/node.h). */
 static const char *take(struct mlrt_tree *tree)
 {
     const struct mlrt_bvh *bvh = &tree->bvh;

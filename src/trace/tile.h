@@ -346,7 +346,7 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
         if (job->tree->bvh.node_count == 0) mlrt_fill_words(packet->nearest.triangle, MLRT_NONE);
     }
     if (job->tree->bvh.node_count == 0) return;
-    if (!cells && !(places & (places - 1))) {
+    if (!cells && !(places & (places - 1))) { /* at most one packet */
         others = check_packets_outside(bundle, places);
     } else if (worker->bundles->lane_tiles[job->any]) {
         --worker->bundles->lane_tiles[job->any];
