@@ -73,7 +73,7 @@ struct lanes_search {
     struct pending_lanes stack[MLRT_BVH_STACK_LIMIT + 1];
 };
 
-/* Sets lo and hi of an axis to the interval of all coordinates on the rays: see "HULLS" above. */
+/* Sets lo and hi of the hull along axis k to the interval of all coordinates on the rays: see "HULLS" above. */
 MLRT_INLINE void bound_along(const struct mlrt_packet *packet, uint32_t lanes, int k, struct lanes_search *search)
 {
     vf lo = v_set1(INFINITY), hi = v_set1(-INFINITY);
@@ -90,8 +90,8 @@ MLRT_INLINE void bound_along(const struct mlrt_packet *packet, uint32_t lanes, i
 }
 
 /*
- * Sets what tests against boxes need along axis k, and finds the least values, and the least negated ones, of origins
- * and directions. If the packet has an apex, its row of origins is filled with it.
+ * Sets what tests against boxes need along axis k. `least` receives the least component k of origins, of negated
+ * origins, of directions, and of negated directions. If the packet has an apex, its row of origins is filled with it.
  */
 MLRT_INLINE void set_lanes_along(struct mlrt_packet *packet, uint32_t lanes, int k, struct lanes_search *search,
                                  float least[4])
@@ -153,7 +153,7 @@ static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes
     hull->is_narrow = hull->farthest < FLT_MAX || hull->agree[0] + hull->agree[1] + hull->agree[2] >= 2;
 }
 
-/* Returns the boxes of a node that the hull of all lanes meets. Rays end at `farthest` at the latest. */
+/* Returns the boxes of a node that the hull of all lanes meets. Rays end at t = `farthest` at the latest. */
 MLRT_INLINE uint32_t boxes_of_lanes(const struct lanes_search *search, const struct mlrt_bvh_node *node, float farthest)
 {
     enum { VECTORS = MLRT_BVH_WIDTH / VW };
@@ -228,7 +228,7 @@ MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struc
     return met;
 }
 
-/* Where and which lanes meet the boxes of a node: as lanes_in_box says, for each box that one of them meets. */
+/* Of each box of a node that lanes meet: these lanes, and what lanes_in_box sets *near to. */
 struct boxes_met {
     MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
     MLRT_ALIGNED(64) uint32_t lanes_of[MLRT_BVH_WIDTH];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Decides what the tests of a packet against a leaf leave undecided (packet_tests.h): by the lines of two planes, where
- * rays begin or end in double, and at last one by one.
+ * Decides what the tests of a packet against a leaf leave undecided (packet_tests.h): by the line of two planes where
+ * the nearest hit is asked for, else in double where rays begin or end; and at last as close calls.
  */
 #ifndef MLRT_TRACE_SETTLE_LEAF_H
 #define MLRT_TRACE_SETTLE_LEAF_H

@@ -81,7 +81,7 @@ MLRT_INLINE struct ray_rows rows_of_lone_ray(const struct mlrt_lone_ray *ray)
     return (struct ray_rows){ray->origin, ray->direction, ray->reciprocal, 1, 1};
 }
 
-/* The same for the ray whose leaf is tested, of a call of its own or of a packet. */
+/* Likewise of the ray that a leaf is tested against: of a call of its own, or of a packet and without reciprocals. */
 MLRT_INLINE struct ray_rows rows_of_tested_ray(const struct mlrt_packet *packet, uint32_t lane,
                                                const struct mlrt_worker *worker)
 {

@@ -59,7 +59,7 @@ MLRT_INLINE uint32_t push_boxes(const struct mlrt_bvh *bvh, uint32_t node, uint3
     return count;
 }
 
-/* Makes the hulls of packets again, after bound_packet. */
+/* Makes the hulls of packets again, from the extremes of bound_packet. */
 static void finish_again(struct mlrt_bundle *bundle, uint32_t places)
 {
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
@@ -294,8 +294,8 @@ static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlr
     const struct mlrt_bvh *bvh = &job->tree->bvh;
     struct pending_box stack[MLRT_BVH_STACK_LIMIT];
     MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
-    const int is_many =
-        bundle->tile && mlrt_count_bits(bundle->state.going) >= MLRT_MANY_PACKETS && bundle->scene.unit == 1;
+    const int is_many = bundle->tile && mlrt_count_bits(bundle->state.going) >= MLRT_MANY_PACKETS &&
+                        bundle->scene.unit == 1; /* else single rays would have to be scaled (units.h) */
     const uint32_t few = is_many ? MLRT_FEW_PACKETS : 0;
     uint32_t node = 0, count = 0;
     for (;;) {
