@@ -47,10 +47,7 @@ const struct mlrt_surface *mlrt_look_up_surface(const struct mlrt_job *light, ui
     return &kept->surface;
 }
 
-/*
- * Computes the ray by the steps of shadow_ray.h. Returns 0 if its conditions do not hold; the results are then
- * invalid.
- */
+/* Computes the ray by the steps of shadow_ray.h. Returns 0 if its conditions do not hold: the results are invalid. */
 static int find_end(const struct mlrt_source *light, const struct mlrt_triangle *triangle,
                     const struct mlrt_ray_segment *ray, int *faces, float end[3])
 {

@@ -318,10 +318,7 @@ struct mlrt_cover_parts {
     struct mlrt_cell_parts cells[MLRT_BUNDLE_PACKETS];
 };
 
-/*
- * What a worker keeps. Pairs are for closest hits and for any hit, since a picture's tiles and their shadows take
- * turns.
- */
+/* What a worker keeps. Of pairs, [1] is for any hit: the tiles of a picture and their shadows take turns. */
 struct mlrt_bundles {
     struct mlrt_backoff open_bundles[2]; /* tiles that begin with open packets */
     struct mlrt_backoff open_tiles;      /* tiles that begin with open cells (levels.h) */

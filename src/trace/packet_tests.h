@@ -190,9 +190,7 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
 /* Vectors of rays from anywhere whose edge values are found at once: for more there are not enough registers. */
 #define VECTORS_FROM_ANYWHERE (PACKET_VECTORS < 2 ? PACKET_VECTORS : 2)
 
-/*
- * Tests a packet against triangles of a leaf, and counts those that no ray may hit. Returns the lanes with a new hit.
- */
+/* Tests a packet against triangles of a leaf, and counts those that no ray can hit. Returns lanes with a new hit. */
 MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
                                         struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                         uint32_t triangles, uint32_t place, int has_intercepts)

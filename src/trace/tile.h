@@ -2,7 +2,8 @@
 /*
  * Traces the packets of a tile, wherever their rays start, in one of two ways. Packets that are alike become a bundle,
  * by their hulls (ray_hulls.h), and go down the hierarchy together (traverse_bundle.h). Packets that are too wide for
- * that are traced lane by lane (lane_by_lane.h).
+ * that are traced lane by lane (lane_by_lane.h). The ways in are trace_bundle, for packets that have rays, and
+ * trace_cells, for bundles without; both go through trace_going_packets.
  */
 #ifndef MLRT_TRACE_TILE_H
 #define MLRT_TRACE_TILE_H
