@@ -31,7 +31,7 @@
  * length the width is 2^-38 of t, and for u and v 2^-48 of the ratio of the triangle's size and distance: so one hit in
  * thousands goes to the judge.
  *
- * One ray (report_one_ray) has 12 u s(X) + 9 u 2^12 |X| for u and v as well, by the reasons for t, and its ends are
+ * One ray (report_lone_ray) has 12 u s(X) + 9 u 2^12 |X| for u and v as well, by the reasons for t, and its ends are
  * (X + w) * (1 / D) and (X - w) * (1 / D): as many roundings.
  *
  * hit_terms.h caches the terms that all rays that hit a triangle share, and those that also depend on one origin:
@@ -342,8 +342,8 @@ static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet
  * p x d are the numerators of t and u, D, and that of v; but for v, all have the opposite sign. Returns 0 if the judge
  * has to compute the numbers; then those in *hit have no meaning.
  */
-MLRT_INLINE int report_one_ray(const struct mlrt_corners *of, const float origin[3], const float direction[3],
-                               mlrt_hit *hit)
+MLRT_INLINE int report_lone_ray(const struct mlrt_corners *of, const float origin[3], const float direction[3],
+                                mlrt_hit *hit)
 {
     const size_t row = of->row;
     d4 vector[3], left[3], right[3], other[3];

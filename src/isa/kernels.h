@@ -16,9 +16,9 @@
 
 #ifdef BOX_KERNELS
 #include "trace/levels.h"
-#include "trace/one_ray.h"
+#include "trace/lone_ray.h"
 
-const struct mlrt_kernels BOX_KERNELS = {.width = VW, .trace_area = trace_area, .trace_ray = trace_one_ray};
+const struct mlrt_kernels BOX_KERNELS = {.width = VW, .trace_area = trace_area, .trace_ray = trace_lone_ray};
 #endif
 
 #ifdef KDTREE_KERNELS

@@ -120,7 +120,7 @@ struct mlrt_kernels {
     void (*trace_area)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area);
     /*
      * Traces one ray in float, without counting, and sets the fields of the hit that its query writes. The ray meets
-     * the box of the scene. Returns MLRT_OK. The kernels of the kd-tree have NULL. trace/one_ray.h
+     * the box of the scene. Returns MLRT_OK. The kernels of the kd-tree have NULL. trace/lone_ray.h
      */
     int32_t (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit);
 };

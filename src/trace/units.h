@@ -221,7 +221,7 @@ static void fill_lane(const float origin[3], const float direction[3], const str
 }
 
 /*
- * Fills in what begin_lone_search (one_ray.h) left out of packet and worker: what only the decisions below need. From
+ * Fills in what begin_lone_search (lone_ray.h) left out of packet and worker: what only the decisions below need. From
  * then on the ray is lane 0 of the packet, no longer worker->lone.
  */
 static void fill_lone_packet(struct mlrt_packet *packet, struct mlrt_worker *worker)

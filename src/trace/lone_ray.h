@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The ray of a call of its own, with its results.
+ * A lone ray, that of a call of its own (rays/lone_ray.h), through the hierarchy of boxes, and its results.
  */
-#ifndef MLRT_TRACE_ONE_RAY_H
-#define MLRT_TRACE_ONE_RAY_H
+#ifndef MLRT_TRACE_LONE_RAY_H
+#define MLRT_TRACE_LONE_RAY_H
 
 #include <float.h>
 
@@ -12,7 +12,7 @@
 #include "rays/lone_ray.h"
 #include "trace/single_ray.h"
 
-/* What a ray of its own is traced with. Of the worker only the fields that are set below are used. */
+/* What a lone ray is traced with. Of the worker only the fields that are set below are used. */
 struct lone_search {
     struct mlrt_job job;
     struct mlrt_worker worker;
@@ -67,7 +67,7 @@ MLRT_INLINE int leave_units(const struct mlrt_lone_ray *ray, mlrt_hit *hit)
  * The function `trace_ray` of job/job.h. The search is compiled once for each query, without a call: rays in calls of
  * their own are 1.04 times as fast so with AVX2, 1.06 times with AVX-512.
  */
-static int32_t trace_one_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
+static int32_t trace_lone_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
     const struct ray_rows rows = rows_of_lone_ray(ray);
     struct lone_search search;
@@ -84,7 +84,7 @@ static int32_t trace_one_ray(const struct mlrt_tree *tree, const struct mlrt_lon
     }
     const struct mlrt_corners corners = trace_lane(&search.job, 0, &rows, 0, 0, packet, &search.worker);
     const uint32_t number = packet->nearest.triangle[0];
-    if (number == MLRT_NONE || MLRT_UNLIKELY(!report_one_ray(&corners, ray->origin, ray->direction, hit)) ||
+    if (number == MLRT_NONE || MLRT_UNLIKELY(!report_lone_ray(&corners, ray->origin, ray->direction, hit)) ||
         (MLRT_UNLIKELY(ray->in_units) && !leave_units(ray, hit))) {
         mlrt_set_result(tree, ray, number, hit);
         return MLRT_OK;
