@@ -165,7 +165,10 @@ static enum array_kind add_array_cell(struct mlrt_array_cells *cells, const stru
     return kind == HAS_HULL ? set_array_cell(cells, &of, place, bundle) : kind;
 }
 
-/* Makes a bundle of the tiles of any-hit rays in `area`, which refers to *cells. Returns 0 if there is none. */
+/*
+ * Makes a bundle of the tiles of `area`, which refers to *cells. Returns 0 if there is none: the nearest hit is asked
+ * for, rays have masks or limits, neither origin nor direction is the same for all, or float does not carry them.
+ */
 static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area,
                               struct mlrt_array_cells *cells, struct mlrt_bundle *bundle)
 {

@@ -79,10 +79,10 @@ MLRT_INLINE uint32_t find_place(const uint32_t *numbers, uint32_t number)
 }
 
 /*
- * Compares triangles of a leaf that the ray of a lane surely hits with its nearest hit. Returns those that double does
- * not order. The nearer of the two becomes the nearest hit, without a branch. Its bounds do not depend on which it is
- * (settle_undecided), so traversal goes on before the order is known. Rays and corners in units are exact, and powers
- * of two change no order.
+ * Compares the triangles `hit` of a leaf, which a lane surely hits, with its nearest hit. Returns those that double
+ * does not order. The nearer of the two becomes the nearest hit, without a branch. Its bounds do not depend on which it
+ * is (settle_undecided), so traversal goes on before the order is known. Rays and corners in units are exact, and
+ * powers of two change no order.
  */
 MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const uint32_t *numbers, const float *corners,
                                   uint32_t row, uint32_t hit, uint32_t lane, struct corner_rows *nearest,
