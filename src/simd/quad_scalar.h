@@ -58,7 +58,10 @@ MLRT_INLINE unsigned f4_zeros_or_within(f4 a, float lo, float hi)
     for (int i = 0; i < 4; ++i) bits |= (unsigned)(lo <= fabsf(a.x[i]) && fabsf(a.x[i]) <= hi) << i;
     return bits;
 }
-/* Are the magnitudes of all lanes of a and b at least lo, and less than hi? Both are powers of 2. */
+/*
+ * Are the magnitudes of all lanes of a and b at least lo, and less than hi? lo is a power of 2. If hi is none, the
+ * answer may be either for magnitudes whose upper 16 bits are those of hi.
+ */
 MLRT_INLINE int f4_are_within(f4 a, f4 b, float lo, float hi)
 {
     int outside = 0;

@@ -33,7 +33,7 @@ MLRT_INLINE unsigned f4_zeros_or_within(f4 a, float lo, float hi)
 }
 MLRT_INLINE int f4_are_within(f4 a, f4 b, float lo, float hi)
 {
-    int32_t least, greatest; /* upper halves, without signs, are in order: from hi on, the last sum is at least 2^15 */
+    int32_t least, greatest; /* upper halves, without signs, are in order: from lo to hi, the last sum is below 2^15 */
     memcpy(&least, &lo, sizeof least);
     memcpy(&greatest, &hi, sizeof greatest);
     const __m128i up_a = _mm_srai_epi32(_mm_castps_si128(a), 16), up_b = _mm_srai_epi32(_mm_castps_si128(b), 16);
