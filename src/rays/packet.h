@@ -56,10 +56,10 @@ struct mlrt_packet {
     struct mlrt_packet_traits has;
 };
 
-/* Powers of two by which each ray is scaled into the units of boxes (trace/units.h), besides the unit itself. */
+/* The powers of two of each lane (struct mlrt_ray_powers), for trace/units.h. */
 struct mlrt_ray_scales {
     MLRT_ALIGNED(64) float direction[MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float time[MLRT_PACKET_RAYS]; /* t in units is t as given times this */
+    MLRT_ALIGNED(64) float time[MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float inverse_time[MLRT_PACKET_RAYS];
 };
 

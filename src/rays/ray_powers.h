@@ -6,8 +6,9 @@
 #include <stdint.h>
 #include <string.h>
 
+/* direction * time is the unit. */
 struct mlrt_ray_powers {
-    float direction; /* times this, the direction has a greatest component near 1 */
+    float direction; /* times this, the direction has a greatest component near 1: of 2^-20 .. 2^20, mostly of 1 .. 2 */
     float time;      /* t in units is t as given times this */
 };
 

@@ -44,7 +44,7 @@ struct mlrt_source {
     uint32_t height;
     uint32_t count;   /* number of rays; the last row may be short */
     mlrt_camera view; /* camera (camera.h) */
-    float light[3];
+    float light[3];   /* point light: its position; directional light: the direction to it */
     struct mlrt_ray_arrays arrays;
     const struct mlrt_tree *tree; /* `skip` has ids of its meshes */
     uint32_t common_mask;         /* the mask of all rays, if `mask` has no data. Set by mlrt_set_masks */
