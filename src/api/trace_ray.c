@@ -120,7 +120,7 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     if (MLRT_UNLIKELY(!is_usual_call(tree, ray, options, hit) || !mlrt_has_usual_fp_environment(&environment)))
         return trace_any_ray(tree, ray, options, hit);
     const enum mlrt_lone_ray_kind kind =
-        mlrt_take_lone_ray(&tree->bvh, ray->origin, ray->direction, ray->t_min, mlrt_resolve_t_max(ray), &lone);
+        mlrt_prepare_lone_ray(&tree->bvh, ray->origin, ray->direction, ray->t_min, mlrt_resolve_t_max(ray), &lone);
     if (kind == MLRT_LONE_RAY_NOT_CARRIED) return trace_any_ray(tree, ray, options, hit);
     if (kind == MLRT_LONE_RAY_MISSES) {
         mlrt_set_miss(options ? options->query : 0, hit);

@@ -7,9 +7,9 @@ static int are_near_one(f4 direction)
     return f4_are_within(direction, direction, 0x1p-20f, 0x1p20f);
 }
 
-enum mlrt_lone_ray_kind mlrt_take_ray_in_units(const struct mlrt_bvh *bvh, const float given_origin[3],
-                                               const float given_direction[3], float t_min, float t_max,
-                                               struct mlrt_lone_ray *ray)
+enum mlrt_lone_ray_kind mlrt_prepare_ray_in_units(const struct mlrt_bvh *bvh, const float given_origin[3],
+                                                  const float given_direction[3], float t_min, float t_max,
+                                                  struct mlrt_lone_ray *ray)
 {
     const f4 as_given = f4_three(given_origin), origin = f4_mul(as_given, f4_set1(bvh->unit));
     const f4 given = f4_three(given_direction);
@@ -27,14 +27,14 @@ enum mlrt_lone_ray_kind mlrt_take_ray_in_units(const struct mlrt_bvh *bvh, const
         }
         direction = f4_mul(given, f4_set1(ray->units.powers.direction));
     }
-    /* A product with a power of two rounds only if it is denormal or 0. mlrt_take_vectors wants normal floats or 0. */
+    /* A product with a power of 2 rounds only if it is denormal or 0. mlrt_prepare_vectors wants normal floats or 0. */
     if (f4_zeros(origin) != f4_zeros(as_given) || f4_zeros(direction) != f4_zeros(given)) {
         return MLRT_LONE_RAY_NOT_CARRIED;
     }
     mlrt_scale_range(t_min, t_max, ray->units.powers.time, &ray->units.begin, &ray->units.end);
     if (ray->units.begin > LATEST_END) return MLRT_LONE_RAY_NOT_CARRIED;
     const enum mlrt_lone_ray_kind kind =
-        mlrt_take_vectors(&bvh->whole, bvh->reach, origin, direction, ray->units.begin, ray->units.end, ray);
+        mlrt_prepare_vectors(&bvh->whole, bvh->reach, origin, direction, ray->units.begin, ray->units.end, ray);
     ray->t_min = t_min;
     ray->t_max = t_max;
     ray->in_units = 1;

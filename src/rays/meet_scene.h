@@ -13,7 +13,7 @@
 #include "scene/tree.h"
 #include "simd/quad.h"
 
-/* What is known of a ray before it is traced. */
+/* What is known of a ray that is prepared, before it is traced. */
 enum mlrt_lone_ray_kind {
     MLRT_LONE_RAY_MISSES,      /* it can hit nothing (rule R1, exact/segment.h), or passes the box of the scene */
     MLRT_LONE_RAY_NOT_CARRIED, /* float does not carry its numbers, or its origin is beyond reach (scene/reach.h) */
@@ -36,8 +36,9 @@ enum mlrt_lone_ray_kind {
  * end: they may have hits even then. For f4_are_within `reach` may be any float: no answer
  * depends on it (scene/reach.h), and what passes is below 2^60, the most that it can be.
  */
-MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_vectors(const struct mlrt_box *box, float reach, f4 origin, f4 direction,
-                                                      float given_t_min, float t_max, struct mlrt_lone_ray *ray)
+MLRT_INLINE enum mlrt_lone_ray_kind mlrt_prepare_vectors(const struct mlrt_box *box, float reach, f4 origin,
+                                                         f4 direction, float given_t_min, float t_max,
+                                                         struct mlrt_lone_ray *ray)
 {
     if (!f4_are_within(origin, direction, MLRT_SAFE_MIN, reach)) {
         if ((f4_zeros_or_within(origin, MLRT_SAFE_MIN, reach) &
@@ -65,23 +66,23 @@ MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_vectors(const struct mlrt_box *box
     return MLRT_LONE_RAY_MAY_HIT;
 }
 
-/* As mlrt_take_lone_ray, where the unit is not 1: brings the ray into units, if that takes no rounding. */
-enum mlrt_lone_ray_kind mlrt_take_ray_in_units(const struct mlrt_bvh *bvh, const float given_origin[3],
-                                               const float given_direction[3], float t_min, float t_max,
-                                               struct mlrt_lone_ray *ray);
+/* As mlrt_prepare_lone_ray, where the unit is not 1: brings the ray into units, if that takes no rounding. */
+enum mlrt_lone_ray_kind mlrt_prepare_ray_in_units(const struct mlrt_bvh *bvh, const float given_origin[3],
+                                                  const float given_direction[3], float t_min, float t_max,
+                                                  struct mlrt_lone_ray *ray);
 
 /* Sets the numbers of a ray, if it may hit a triangle. */
-MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const struct mlrt_bvh *bvh, const float given_origin[3],
-                                                       const float given_direction[3], float t_min, float t_max,
-                                                       struct mlrt_lone_ray *ray)
+MLRT_INLINE enum mlrt_lone_ray_kind mlrt_prepare_lone_ray(const struct mlrt_bvh *bvh, const float given_origin[3],
+                                                          const float given_direction[3], float t_min, float t_max,
+                                                          struct mlrt_lone_ray *ray)
 {
     static const float one = 1; /* compared as bits, which takes fewer steps */
     if (MLRT_UNLIKELY(memcmp(&bvh->unit, &one, sizeof one) != 0)) {
-        return mlrt_take_ray_in_units(bvh, given_origin, given_direction, t_min, t_max, ray);
+        return mlrt_prepare_ray_in_units(bvh, given_origin, given_direction, t_min, t_max, ray);
     }
     ray->in_units = 0;
-    return mlrt_take_vectors(&bvh->whole, bvh->reach, f4_three(given_origin), f4_three(given_direction), t_min, t_max,
-                             ray);
+    return mlrt_prepare_vectors(&bvh->whole, bvh->reach, f4_three(given_origin), f4_three(given_direction), t_min,
+                                t_max, ray);
 }
 
 #endif

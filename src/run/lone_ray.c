@@ -22,15 +22,15 @@ void mlrt_trace_by_ray(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, m
     mlrt_set_result(tree, ray, number, hit);
 }
 
-/* Sets the numbers of a ray, and says what is known of it. */
-MLRT_INLINE enum mlrt_lone_ray_kind take_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray)
+/* As mlrt_prepare_lone_ray, for a ray whose numbers are set as given. */
+MLRT_INLINE enum mlrt_lone_ray_kind prepare_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray)
 {
-    return mlrt_take_lone_ray(&tree->bvh, ray->given.origin, ray->given.direction, ray->t_min, ray->t_max, ray);
+    return mlrt_prepare_lone_ray(&tree->bvh, ray->given.origin, ray->given.direction, ray->t_min, ray->t_max, ray);
 }
 
-/* Traces a ray that was taken. */
-MLRT_INLINE void trace_taken_ray(const mlrt_tree *tree, enum mlrt_lone_ray_kind kind, const struct mlrt_lone_ray *ray,
-                                 mlrt_hit *hit)
+/* Traces a ray that is prepared. */
+MLRT_INLINE void trace_prepared_ray(const mlrt_tree *tree, enum mlrt_lone_ray_kind kind,
+                                    const struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
     if (kind == MLRT_LONE_RAY_MISSES) {
         mlrt_set_miss(ray->any, hit);
@@ -43,7 +43,7 @@ MLRT_INLINE void trace_taken_ray(const mlrt_tree *tree, enum mlrt_lone_ray_kind 
 
 void mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
-    trace_taken_ray(tree, take_ray(tree, ray), ray, hit);
+    trace_prepared_ray(tree, prepare_ray(tree, ray), ray, hit);
 }
 
 /*
@@ -87,9 +87,9 @@ static MLRT_NOINLINE int trace_few_rays(const struct mlrt_job *job, const mlrt_h
     for (uint32_t i = 0; i < job->source.count; ++i) {
         float room[3];
         mlrt_read_ray(&job->source, i, room, &ray);
-        const enum mlrt_lone_ray_kind kind = take_ray(job->tree, &ray);
+        const enum mlrt_lone_ray_kind kind = prepare_ray(job->tree, &ray);
         if (i == 0 && kind == MLRT_LONE_RAY_MAY_HIT && should_go_together(job)) return 0;
-        trace_taken_ray(job->tree, kind, &ray, &hits[i]);
+        trace_prepared_ray(job->tree, kind, &ray, &hits[i]);
     }
     mlrt_write_hits(hits, 0, job->source.count, list);
     return 1;
