@@ -21,12 +21,11 @@ static struct mlrt_binary_node *start_node(const struct mlrt_bvh_build *build, c
 }
 
 /* Builds a subtree, with its binary nodes one behind the other. Returns the number behind the last of them. */
-static uint32_t build_subtree(struct mlrt_bvh_build *build, struct mlrt_portion *portion,
-                              struct mlrt_forest_costs *costs)
+static uint32_t build_subtree(struct mlrt_bvh_build *build, struct mlrt_portion *portion, struct mlrt_slot_costs *costs)
 {
     struct mlrt_binary_node *node = start_node(build, portion);
     struct mlrt_portion sides[2];
-    struct mlrt_forest_costs side_costs[2];
+    struct mlrt_slot_costs side_costs[2];
     if (!mlrt_cut_portion(build, portion, sides)) {
         mlrt_choose_leaf(build, node, costs);
         for (uint32_t i = node->first; i < node->first + node->count; i++)
@@ -42,7 +41,7 @@ static uint32_t build_subtree(struct mlrt_bvh_build *build, struct mlrt_portion 
 static void build_task(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
 {
     (void)worker;
-    build_subtree(build, build->work.tasks[item], &build->work.forests[item].costs);
+    build_subtree(build, build->work.tasks[item], &build->work.subtrees[item].costs);
 }
 
 static void cut_item(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
@@ -108,20 +107,20 @@ static void find_tasks(struct mlrt_bvh_build *build)
         cut_level(build, count);
     }
     for (uint32_t i = 0; i <= build->work.task_count; i++)
-        build->work.forests[i] =
-            (struct mlrt_forest){.node = i < build->work.task_count ? build->work.tasks[i]->node : UINT32_MAX};
+        build->work.subtrees[i] =
+            (struct mlrt_bvh_subtree){.node = i < build->work.task_count ? build->work.tasks[i]->node : UINT32_MAX};
 }
 
 /* Sets the choices of the nodes above the tasks, all of which have set theirs. `next` is the first task of the rest. */
-static void choose_upper(const struct mlrt_bvh_build *build, uint32_t number, const struct mlrt_forest **next,
-                         struct mlrt_forest_costs *costs)
+static void choose_upper(const struct mlrt_bvh_build *build, uint32_t number, const struct mlrt_bvh_subtree **next,
+                         struct mlrt_slot_costs *costs)
 {
     if ((*next)->node == number) {
         *costs = (*next)++->costs;
         return;
     }
     struct mlrt_binary_node *node = &build->binary.nodes[number];
-    struct mlrt_forest_costs side_costs[2];
+    struct mlrt_slot_costs side_costs[2];
     choose_upper(build, number + 1, next, &side_costs[0]);
     choose_upper(build, node->upper, next, &side_costs[1]);
     mlrt_choose_cut(build, side_costs, node, costs);
@@ -134,8 +133,8 @@ int32_t mlrt_build_binary(struct mlrt_bvh_build *build)
     root->spare = build->limits.capacity - build->references.whole.count;
     root->node = root->depth = root->failed_count = 0;
     root->budget = build->limits.leaf_limit;
-    struct mlrt_forest_costs costs;
-    const struct mlrt_forest *next = build->work.forests;
+    struct mlrt_slot_costs costs;
+    const struct mlrt_bvh_subtree *next = build->work.subtrees;
     build->scene_area = area_between(build->tree->bvh.core.lo, build->tree->bvh.core.hi);
     build->work.task_count = 0;
     find_tasks(build);

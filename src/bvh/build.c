@@ -90,7 +90,7 @@ static uint64_t lay_out_work(struct mlrt_bvh_build *build, unsigned char *memory
     build->binary.words =
         take(memory, (size_t)build->limits.capacity + MLRT_WORDS_AHEAD, sizeof *build->binary.words, &size);
     build->work.tasks = take(memory, build->limits.task_capacity, sizeof *build->work.tasks, &size);
-    build->work.forests = take(memory, (size_t)build->limits.task_capacity + 1, sizeof *build->work.forests, &size);
+    build->work.subtrees = take(memory, (size_t)build->limits.task_capacity + 1, sizeof *build->work.subtrees, &size);
     build->work.level = take(memory, build->limits.level_capacity, sizeof *build->work.level, &size);
     build->work.portions = take(memory, 2 * (size_t)build->limits.task_capacity, sizeof *build->work.portions, &size);
     build->work.shares = take(memory, worker_count > 1 ? worker_count : 0, sizeof *build->work.shares, &size);

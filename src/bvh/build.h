@@ -89,10 +89,10 @@ struct mlrt_binary_node {
 };
 
 /*
- * cost[i], 1 <= i <= slot_count: the least cost, times area, of a binary node and all below it as at most i slots. More
- * slots would be of no use, or there are no more.
+ * cost[i], 1 <= i <= slot_count: the least cost, times area, of a binary node and all below it as at most i slots (a
+ * forest of at most i trees, in the paper of collapse.c). More slots would be of no use, or there are no more.
  */
-struct mlrt_forest_costs {
+struct mlrt_slot_costs {
     float cost[MLRT_BVH_WIDTH];
     int slot_count;
 };
@@ -130,11 +130,11 @@ struct mlrt_bvh_cursor {
     struct mlrt_bvh_node *parent; /* the node whose children are written; NULL = nothing is written, only counted */
 };
 
-/* A binary node that one worker makes, and all below it. */
-struct mlrt_forest {
+/* What a task becomes: a binary node, and all below it. One worker makes it. */
+struct mlrt_bvh_subtree {
     uint32_t node;
-    struct mlrt_forest_costs costs;
-    uint32_t slots;              /* of the node above, that it may take at most */
+    struct mlrt_slot_costs costs;
+    uint32_t slots;              /* of a node above: how many it may take, at most */
     struct mlrt_bvh_cursor from; /* where it is written */
     struct mlrt_bvh_size size;   /* 0 until it is measured */
 };
@@ -179,9 +179,9 @@ struct mlrt_bvh_build {
     struct {
         struct mlrt_portion *portions; /* the root, and the sides of all sets that are too large for tasks */
         uint32_t portion_count;
-        struct mlrt_portion **level; /* those of one depth that are too large */
-        struct mlrt_portion **tasks; /* those that one worker each builds, in depth-first order */
-        struct mlrt_forest *forests; /* of the tasks, and one of no node at the end */
+        struct mlrt_portion **level;       /* those of one depth that are too large */
+        struct mlrt_portion **tasks;       /* those that one worker each builds, in depth-first order */
+        struct mlrt_bvh_subtree *subtrees; /* of the tasks, and one of no node at the end */
         uint32_t task_count;
         const struct mlrt_portion *shared; /* whose bins all workers fill; NULL = none */
         uint64_t least_shared;             /* references of the sets of a level that are shared */
@@ -278,11 +278,11 @@ int mlrt_cut_portion(struct mlrt_bvh_build *build, struct mlrt_portion *portion,
 
 /* Sets choices and costs of a binary node without children, of 1 to 16 triangles. */
 void mlrt_choose_leaf(const struct mlrt_bvh_build *build, struct mlrt_binary_node *node,
-                      struct mlrt_forest_costs *result);
+                      struct mlrt_slot_costs *result);
 
 /* Sets choices and costs of a binary node with two children, from the costs of these. */
-void mlrt_choose_cut(const struct mlrt_bvh_build *build, const struct mlrt_forest_costs children[2],
-                     struct mlrt_binary_node *node, struct mlrt_forest_costs *result);
+void mlrt_choose_cut(const struct mlrt_bvh_build *build, const struct mlrt_slot_costs children[2],
+                     struct mlrt_binary_node *node, struct mlrt_slot_costs *result);
 
 /* ---- binary.c -------------------------------------------------------------------------------------------------- */
 

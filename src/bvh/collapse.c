@@ -19,8 +19,7 @@ static float relative_area(const struct mlrt_bvh_build *build, const struct mlrt
     return area < build->scene_area ? (float)(area / build->scene_area) : 1;
 }
 
-void mlrt_choose_leaf(const struct mlrt_bvh_build *build, struct mlrt_binary_node *node,
-                      struct mlrt_forest_costs *result)
+void mlrt_choose_leaf(const struct mlrt_bvh_build *build, struct mlrt_binary_node *node, struct mlrt_slot_costs *result)
 {
     memset(node->choice, 0, sizeof node->choice);
     result->cost[1] = relative_area(build, node) * set_cost(&build->costs, node->count);
@@ -31,7 +30,7 @@ void mlrt_choose_leaf(const struct mlrt_bvh_build *build, struct mlrt_binary_nod
  * The least cost of two children in `slots` slots, at least 2 and at most those that they can use. Sets *lower_slots to
  * the number that the lower child gets.
  */
-static float distribute(const struct mlrt_forest_costs children[2], int slots, uint8_t *lower_slots)
+static float distribute(const struct mlrt_slot_costs children[2], int slots, uint8_t *lower_slots)
 {
     const int spare = slots - children[1].slot_count, first = spare > 1 ? spare : 1;
     const int last = children[0].slot_count < slots ? children[0].slot_count : slots - 1;
@@ -46,8 +45,8 @@ static float distribute(const struct mlrt_forest_costs children[2], int slots, u
     return best;
 }
 
-void mlrt_choose_cut(const struct mlrt_bvh_build *build, const struct mlrt_forest_costs children[2],
-                     struct mlrt_binary_node *node, struct mlrt_forest_costs *result)
+void mlrt_choose_cut(const struct mlrt_bvh_build *build, const struct mlrt_slot_costs children[2],
+                     struct mlrt_binary_node *node, struct mlrt_slot_costs *result)
 {
     const float area = relative_area(build, node);
     const int usable = children[0].slot_count + children[1].slot_count;

@@ -135,19 +135,19 @@ static void enter_node(const struct mlrt_binary_node *node, struct mlrt_tree *tr
 /*
  * Writes what binary node `number` and all below it become, in the cheapest way that takes at most `slots` slots of a
  * node above, into tree->bvh, which has room for it; not all of it if the call is cancelled. Moves the cursor behind
- * it. The forests from *next on, which end with one of no node, are left out: sets `slots` and `from` of each, and
+ * it. The subtrees from *next on, which end with one of no node, are left out: sets `slots` and `from` of each, and
  * moves the cursor by its size.
  */
-static void write_slots(struct mlrt_bvh_build *build, uint32_t number, uint32_t slots, struct mlrt_forest **next,
+static void write_slots(struct mlrt_bvh_build *build, uint32_t number, uint32_t slots, struct mlrt_bvh_subtree **next,
                         struct mlrt_bvh_cursor *cursor)
 {
     const struct mlrt_binary_node *node = &build->binary.nodes[number];
     const struct mlrt_bvh_cursor above = *cursor;
     if ((*next)->node == number) {
-        struct mlrt_forest *forest = (*next)++;
-        forest->slots = slots;
-        forest->from = above;
-        add_size(&forest->size, &cursor->size);
+        struct mlrt_bvh_subtree *subtree = (*next)++;
+        subtree->slots = slots;
+        subtree->from = above;
+        add_size(&subtree->size, &cursor->size);
         return;
     }
     while (slots > 1 && node->choice[slots] == 0) slots--;
@@ -175,25 +175,26 @@ static void write_slots(struct mlrt_bvh_build *build, uint32_t number, uint32_t 
  */
 static struct mlrt_bvh_cursor write_upper(struct mlrt_bvh_build *build, struct mlrt_bvh_cursor cursor)
 {
-    struct mlrt_forest *next = build->work.forests;
+    struct mlrt_bvh_subtree *next = build->work.subtrees;
     write_slots(build, 0, 1, &next, &cursor);
     return cursor;
 }
 
 /* Writes what a task becomes, or only moves the cursor. */
-static void write_forest(struct mlrt_bvh_build *build, const struct mlrt_forest *forest, struct mlrt_bvh_cursor *cursor)
+static void write_subtree(struct mlrt_bvh_build *build, const struct mlrt_bvh_subtree *subtree,
+                          struct mlrt_bvh_cursor *cursor)
 {
-    struct mlrt_forest *none = &build->work.forests[build->work.task_count];
-    write_slots(build, forest->node, forest->slots, &none, cursor);
+    struct mlrt_bvh_subtree *none = &build->work.subtrees[build->work.task_count];
+    write_slots(build, subtree->node, subtree->slots, &none, cursor);
 }
 
 static void measure_task(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
 {
-    struct mlrt_forest *forest = &build->work.forests[item];
-    struct mlrt_bvh_cursor cursor = {.size = {.depth = forest->from.depth}, .depth = forest->from.depth};
+    struct mlrt_bvh_subtree *subtree = &build->work.subtrees[item];
+    struct mlrt_bvh_cursor cursor = {.size = {.depth = subtree->from.depth}, .depth = subtree->from.depth};
     (void)worker;
-    write_forest(build, forest, &cursor);
-    forest->size = cursor.size;
+    write_subtree(build, subtree, &cursor);
+    subtree->size = cursor.size;
 }
 
 static struct mlrt_bvh_size measure_all(struct mlrt_bvh_build *build)
@@ -201,16 +202,16 @@ static struct mlrt_bvh_size measure_all(struct mlrt_bvh_build *build)
     const struct mlrt_bvh_cursor start = {.depth = 0};
     struct mlrt_bvh_size size = write_upper(build, start).size;
     mlrt_run_step(build, build->work.task_count, measure_task);
-    for (uint32_t i = 0; i < build->work.task_count; i++) add_size(&build->work.forests[i].size, &size);
+    for (uint32_t i = 0; i < build->work.task_count; i++) add_size(&build->work.subtrees[i].size, &size);
     if (build->binary.nodes[0].choice[1] == 0) size.node_count = size.depth = 1;
     return size;
 }
 
 static void write_task(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
 {
-    struct mlrt_forest *forest = &build->work.forests[item];
+    struct mlrt_bvh_subtree *subtree = &build->work.subtrees[item];
     (void)worker;
-    write_forest(build, forest, &forest->from);
+    write_subtree(build, subtree, &subtree->from);
     mlrt_advance(build->progress, MLRT_LAST_WORK * build->work.tasks[item]->set.count);
 }
 
