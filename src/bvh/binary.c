@@ -44,6 +44,7 @@ static void build_task(struct mlrt_bvh_build *build, uint32_t item, uint32_t wor
     build_subtree(build, build->work.tasks[item], &build->work.subtrees[item].costs);
 }
 
+/* Cuts a set of the level, unless cut_level has cut it already, with bins that all workers filled. */
 static void cut_item(struct mlrt_bvh_build *build, uint32_t item, uint32_t worker)
 {
     struct mlrt_portion *portion = build->work.level[item];

@@ -85,9 +85,9 @@ static inline uint32_t mlrt_bvh_leaf_count(const struct mlrt_bvh *bvh, uint32_t 
 /* ---- build.c --------------------------------------------------------------------------------------------------- */
 
 /*
- * On entry, tree->triangles and triangle_count are set and the rest is 0, `options` is checked, and the floating-point
- * environment is the library's. Returns a status. With MLRT_OK, tree->bvh, bounds and tree->info are set, except what
- * of info the caller knows. After an error the hierarchy is empty, and tree->memory holds what it held on entry.
+ * Builds the hierarchy. On entry, tree->triangles and triangle_count are set and the rest is 0, `options` is checked,
+ * and the floating-point environment is the library's. Returns a status. With MLRT_OK, tree->bvh, bounds and tree->info
+ * are set, except what api/tree.c sets. After an error the hierarchy is empty, and tree->memory holds what it held.
  * MLRT_ERROR_TOO_LARGE: more nodes or quads than there are bits for. Adds about MLRT_BVH_WORK per triangle to
  * `progress` (NULL = none).
  */

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cuts a set of references by a plane. A reference on both sides becomes two. This helps where large
- * triangles lie among small ones: a large one as a whole makes the boxes of both sides overlap, whichever side it is
- * on.
+ * Cuts a set of references by a plane. A reference on both sides becomes two. This helps where large triangles lie
+ * among small ones: a large one as a whole makes the boxes of both sides overlap, whichever side it is on.
  *
  * A slab is a bin: the space between two planes. The bounds of the parts in slabs are estimates in float: they only
  * choose the plane. References are then cut by scene/clip.c, whose boxes hold every point of the triangle.

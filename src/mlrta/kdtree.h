@@ -53,11 +53,11 @@ static inline uint32_t mlrt_leaf_count(const struct mlrt_node *node)
 /* ---- build.c -------------------------------------------------------------------------------------------------- */
 
 /*
- * Before the call, tree->triangles and triangle_count are set and the rest is 0, `options` is an mlrt_kdtree_options
- * that was checked, and the floating-point environment is the library's. `progress` (may be NULL) advances by
- * MLRT_KDTREE_WORK per triangle. Returns a status:
+ * Builds the kd-tree. Before the call, tree->triangles and triangle_count are set and the rest is 0, `options` is an
+ * mlrt_kdtree_options that was checked, and the floating-point environment is the library's. `progress` (may be NULL)
+ * advances by MLRT_KDTREE_WORK per triangle. Returns a status:
  *
- *   - MLRT_OK: tree->kdtree, bounds and tree->info are set, except what of info the caller knows.
+ *   - MLRT_OK: tree->kdtree, bounds and tree->info are set, except what of info api/tree.c sets.
  *   - MLRT_ERROR_OUT_OF_MEMORY, or MLRT_ERROR_TOO_LARGE for more than 2^30 - 1 triangles: nodes and references are
  *     NULL, and tree->memory holds as much as before.
  *   - MLRT_ERROR_CANCELLED: likewise, unless the call is cancelled after the last node: then both are set.
