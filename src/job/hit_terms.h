@@ -9,7 +9,7 @@
 #include "exact/triangle.h"
 #include "exact/vector.h"
 
-/* The judge computes the numbers of hits whose D is not more than its size over this: that bounds the error of t. */
+/* The judge computes the numbers of a hit unless s(D) < 2^12 |D| is certain: see WIDTHS in hits/hit_numbers.h. */
 #define MLRT_GREATEST_D_SIZE 0x1p12
 
 /*

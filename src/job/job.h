@@ -32,7 +32,7 @@ struct mlrt_multilevel {
 struct mlrt_callback {
     mlrt_tile_callback function; /* NULL = none */
     void *user;
-    uint32_t outputs; /* what it gets */
+    uint32_t outputs; /* MLRT_OUTPUT_*: what it gets */
 };
 
 /* One call of the interface, as all workers see it. */
@@ -40,11 +40,11 @@ struct mlrt_job {
     const struct mlrt_tree *tree;
     const struct mlrt_kernels *kernels;
     struct mlrt_source source;
-    int32_t method; /* resolved: not DEFAULT */
-    int any;
+    int32_t method;                /* resolved: not DEFAULT */
+    int any;                       /* any hit will do */
     const struct mlrt_job *lights; /* a job for each light: its source, with `any` set */
     uint32_t light_count;
-    uint32_t initial_tile_size;
+    uint32_t initial_tile_size; /* the side of the tiles that workers claim, in pixels */
     struct mlrt_multilevel multilevel;
     struct mlrt_sink frame; /* the caller's arrays; empty if there are none */
     struct mlrt_callback callback;
@@ -57,8 +57,8 @@ struct mlrt_known_plane {
 };
 
 /*
- * Logarithms of how many planes a worker keeps. Calls of few rays keep few, since clearing a large table would take
- * longer than it saves.
+ * Logarithms (base 2) of how many planes a worker keeps. Calls of few rays keep few, since clearing a large table would
+ * take longer than it saves.
  */
 #define MLRT_KNOWN_PLANE_BITS 12
 #define MLRT_FEW_PLANE_BITS   4

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a structure over the triangles of a tree is to the rest of the library: how one is built, saved, told about, and
- * asked. trace/structure.c has the constant of the hierarchy of boxes, and mlrta/structure.c that of the kd-tree.
+ * What the rest of the library knows of a structure over a tree's triangles: how it is named in messages, built, saved,
+ * loaded, and traced. trace/structure.c has the constant of the hierarchy of boxes, mlrta/structure.c the kd-tree's.
  */
 #ifndef MLRT_JOB_STRUCTURE_H
 #define MLRT_JOB_STRUCTURE_H

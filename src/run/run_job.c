@@ -90,7 +90,7 @@ static int wants_channel(const struct mlrt_job *job, enum mlrt_channel channel)
     return job->any ? channel == MLRT_CHANNEL_OCCLUDED : (job->callback.outputs & output[channel]) != 0;
 }
 
-/* A worker keeps 1 << so many triangles of known planes. */
+/* The logarithm of how many known planes a worker keeps. */
 static uint32_t known_plane_bits(const struct mlrt_job *job)
 {
     return mlrt_is_small(job) ? MLRT_FEW_PLANE_BITS : MLRT_KNOWN_PLANE_BITS;
