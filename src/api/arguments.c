@@ -94,8 +94,9 @@ static int is_given(const struct mlrt_field *field, const void *arrays)
 
 static MLRT_NOINLINE int32_t fail_query(const mlrt_hits *hits, int any)
 {
-    const struct mlrt_field *field = mlrt_rules_of(MLRT_STRUCT_HITS) + (any ? 1 : 7);
-    while (!is_given(field, hits)) ++field;
+    const size_t first = any ? offsetof(mlrt_hits, t) : offsetof(mlrt_hits, occluded);
+    const struct mlrt_field *field = mlrt_rules_of(MLRT_STRUCT_HITS);
+    while (field->offset < first || !is_given(field, hits)) ++field;
     return mlrt_fail(MLRT_ERROR_ARGUMENT,
                      any ? "options.query: ANY writes only `occluded`, but `%s` was given"
                          : "options.query: CLOSEST writes `%s` only with lights, but it was given",
@@ -117,10 +118,11 @@ int32_t mlrt_check_hits(const char *path, const mlrt_hits *hits, const mlrt_trac
 int32_t mlrt_check_lists(const mlrt_hit_lists *lists, int may_be_empty)
 {
     const struct mlrt_field *field = mlrt_rules_of(MLRT_STRUCT_HIT_LISTS);
-    for (int i = 0; i < 9; ++i, ++field) {
+    for (; field->form == MLRT_STRUCT_HIT_LISTS; ++field) {
+        const int is_per_ray = field->offset >= offsetof(mlrt_hit_lists, total);
         if (!is_given(field, lists)) continue;
         may_be_empty = 1;
-        if (i >= 7 || lists->capacity) continue;
+        if (is_per_ray || lists->capacity) continue;
         return mlrt_fail(MLRT_ERROR_ARGUMENT, "lists.capacity: 0, but `%s` was given", field->name);
     }
     return may_be_empty ? MLRT_OK : fail_argument("lists", "no array is given, so nothing would be written");
