@@ -301,7 +301,7 @@ static void find_terms(const float *input, int shared, struct filtered *filtered
     filtered->direction_size = group.direction_size;
     memcpy(filtered->direction, input + 12, sizeof filtered->direction);
     if (shared) {
-        struct mlrt_triangle_setup setup = {.main_axis = group.axis_code};
+        struct mlrt_triangle_setup setup = {.axis_code = group.axis_code};
         set_up_terms(&triangle, input + 9, &setup);
         set_apex_terms(&setup, &filtered->terms);
         memcpy(filtered->size, last_divisors.x, sizeof filtered->size);
@@ -884,8 +884,8 @@ static double attack_outline(const float *input)
         triangle.v[i][1] = box.lo[1] = box.hi[1] = input[1];
         triangle.v[i][2] = box.lo[2] = box.hi[2] = 1;
     }
-    set_triangle_outline(&triangle, cell_axis_code(0, 0), apex, &outline[0]);
-    set_box_outline(&box, cell_axis_code(0, 0), apex, &outline[1]);
+    set_triangle_outline(&triangle, axis_code_of(0, 0), apex, &outline[0]);
+    set_box_outline(&box, axis_code_of(0, 0), apex, &outline[1]);
     subtract_exactly(input[1], input[3], truth);
     subtract_exactly(input[0], input[2], other_truth);
     mpf_div(truth, truth, other_truth);

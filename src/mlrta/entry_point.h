@@ -13,8 +13,8 @@
  * the highest one; from the highest down, the first success ends the search. docs/reproduction.md has the steps of
  * both.
  *
- * The search is compiled once: it works on a beam, not on vectors of rays. It always counts, since one search is for
- * all rays of a tile.
+ * The search is compiled once: it works on a beam, not on vectors of rays. It always counts (`counters` is not NULL),
+ * since one search is for all rays of a tile.
  *
  * Based on: Reshetov et al. 2005, section 4.1.
  */
@@ -52,7 +52,7 @@ struct entry_list {
 /*
  * Searches from *entry, where all rays of the beam may start. Returns 1 if *entry has become the deepest such node,
  * with the part of its cell that is in the beam's region. Returns 0 if the beam is done: *cover is the triangle on
- * which all rays have their first hit, or MLRT_NONE if none hits a triangle. The search counts.
+ * which all rays have their first hit, or MLRT_NONE if none hits a triangle.
  */
 int mlrt_find_entry_point(const struct mlrt_job *job, struct mlrt_beam *beam, struct entry_point *entry,
                           uint32_t *cover, mlrt_counters *counters);

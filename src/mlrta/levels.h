@@ -59,7 +59,7 @@ static void enter_tile(const struct mlrt_job *job, struct mlrt_worker *worker, c
 static void set_entry_outlines(const struct mlrt_beam *beam, struct entry_list *list)
 {
     if (!beam->has_apex) return;
-    list->axis_code = cell_axis_code(beam->main_axis, beam->negative[beam->main_axis]);
+    list->axis_code = axis_code_of(beam->main_axis, beam->negative[beam->main_axis]);
     for (uint32_t i = 0; i < list->count; ++i)
         set_box_outline(&list->entries[i].box, list->axis_code, beam->origin_lo, &list->outlines[i]);
 }

@@ -84,9 +84,9 @@ MLRT_INLINE uint32_t test_masked(const struct mlrt_job *job, uint32_t number, st
 {
     struct mlrt_triangle_setup *setup = packet->has.apex ? &worker->setups->entries[0] : NULL;
     if (setup) {
-        if (setup->number != number || setup->main_axis != group->axis_code || !setup->has_terms) {
+        if (setup->number != number || setup->axis_code != group->axis_code || !setup->has_terms) {
             setup->number = number;
-            setup->main_axis = group->axis_code;
+            setup->axis_code = group->axis_code;
             set_up_terms(&job->tree->triangles[number], packet->apex, setup);
         }
         if (setup->in_plane) return 0;

@@ -21,8 +21,8 @@
 #include "rays/slope_limits.h"
 #include "simd/simd.h"
 
-/* An axis and its sign as one number. */
-MLRT_INLINE uint32_t cell_axis_code(int axis, int negative)
+/* A main axis and its sign as one number: axis | negative << 2. */
+MLRT_INLINE uint32_t axis_code_of(int axis, int negative)
 {
     return (uint32_t)axis | (negative ? 4u : 0);
 }

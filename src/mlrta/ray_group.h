@@ -54,8 +54,8 @@ struct lane_range {
 struct group_axis {
     float origin_lo;
     float origin_hi;
-    float small;   /* bounds of 1 / d_k, with its sign: of the smallest magnitude, */
-    float large;   /* and of the largest. They are moved apart by RECIPROCAL_SLACK, and may be infinite */
+    float small;   /* 1 / d_k has the magnitude of this at least, and its sign; */
+    float large;   /* and of this at most. Moved apart by RECIPROCAL_SLACK; may be infinite */
     float largest; /* largest |d_k| */
     uint32_t negative;
 };
@@ -189,7 +189,7 @@ MLRT_INLINE void set_main_axis(struct ray_group *group)
     const float x = group->axis[0].largest, y = group->axis[1].largest, z = group->axis[2].largest;
     const int a = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
     const float other = 2 * larger_of(group->axis[(a + 1) % 3].largest, group->axis[(a + 2) % 3].largest);
-    group->axis_code = cell_axis_code(a, (int)group->axis[a].negative);
+    group->axis_code = axis_code_of(a, (int)group->axis[a].negative);
     group->direction_size = larger_of(group->axis[a].largest, other);
 }
 

@@ -17,7 +17,7 @@ struct mlrt_outline {
 /* What packets from one apex share about a triangle: its outline, and the terms of its edge functions. */
 struct mlrt_triangle_setup {
     uint32_t number;    /* of the triangle; MLRT_NONE = empty entry */
-    uint32_t main_axis; /* of the outline, with its sign: axis | negative << 2 */
+    uint32_t axis_code; /* of the outline (outline.h) */
     int has_terms;      /* in_plane, distance, distance_bound and cross are set. Method packet2 sets no outline */
     int in_plane;       /* the apex lies in the triangle's plane, so no ray hits it at t > 0 */
     struct mlrt_outline outline;

@@ -28,10 +28,10 @@ MLRT_INLINE struct mlrt_triangle_setup *get_setup(const struct mlrt_tree *tree, 
                                                   const struct ray_group *group, struct mlrt_worker *worker)
 {
     struct mlrt_triangle_setup *setup = &worker->setups->entries[number & worker->setups->mask];
-    if (setup->number == number && setup->main_axis == group->axis_code) return setup;
+    if (setup->number == number && setup->axis_code == group->axis_code) return setup;
     setup->has_terms = 0;
     setup->number = number;
-    setup->main_axis = group->axis_code;
+    setup->axis_code = group->axis_code;
     set_triangle_outline(&tree->triangles[number], group->axis_code, worker->setups->apex, &setup->outline);
     return setup;
 }
@@ -46,7 +46,7 @@ static const float axis_weights[3][3] = {{1, 0.5f, 0.5f}, {0.5f, 1, 0.5f}, {0.5f
 static MLRT_NOINLINE void set_up_terms(const struct mlrt_triangle *triangle, const float apex[3],
                                        struct mlrt_triangle_setup *setup)
 {
-    const float *weight = axis_weights[setup->main_axis & 3];
+    const float *weight = axis_weights[setup->axis_code & 3];
     f4 corner[3], sum[3], edge[3], magnitude[3], length[3], scale = f4_set1(1);
     f4_corners(triangle->v, corner);
     float vertex[3];
