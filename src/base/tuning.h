@@ -23,8 +23,8 @@
  *
  * The first FIRST_OPEN_TILES and FIRST_OPEN_SQUARES areas of a worker begin open; 0xFFFFFFFF: all.
  *
- * Instructions (AVX2) with 3 tiles always: shadows of dragon 1.03, pictures of erw6 1.01. With READ_BACKOFF 1: shadows
- * of erw6 1.02.
+ * Instructions (AVX2) if 3 tiles begin open after each attempt in vain: shadows of dragon 1.03, pictures of erw6 1.01.
+ * With READ_BACKOFF 1: shadows of erw6 1.02.
  */
 #define MLRT_TILE_BACKOFF       15
 #define MLRT_CELL_BACKOFF       3

@@ -3,8 +3,8 @@
  * The judge of every hit: exact signs of the expressions in the hit rule (mlrt.h, "Answers"), for any finite floats.
  *
  * Each function first computes in double, with a bound on the rounding error, and decides if the sign is certain. Else
- * integers decide (integers.h). So the result is always that of real arithmetic, and almost always
- * takes a few dozen double operations.
+ * integers decide (integers.h). So the result is always that of real arithmetic, and nearly always takes a few dozen
+ * operations in double.
  *
  * For all functions, coordinates are finite, the direction is not zero, 0 <= t_min < t_max, and triangles have an area
  * (mlrt_triangle_has_area), unless a function says that it allows less. `counters` (may be NULL) count the decisions

@@ -85,7 +85,7 @@ void mlrt_group_channels(struct mlrt_sink *sink)
     }
 }
 
-/* The array of a channel: they lie in the order of channels. */
+/* The array of a channel. Arrays of mlrt_hits lie in the order of channels, and so do the fields of mlrt_hit. */
 static const mlrt_array *array_of(const mlrt_hits *hits, enum mlrt_channel c)
 {
     return (const mlrt_array *)(const void *)((const unsigned char *)hits + offsetof(mlrt_hits, t)) + c;

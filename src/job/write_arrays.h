@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A sink: the arrays that results are written to, those of the caller's frame or of a tile callback. */
+/* Results, written to a sink (the arrays of the caller's frame, or of a tile callback) or to an mlrt_hit. */
 #ifndef MLRT_JOB_WRITE_ARRAYS_H
 #define MLRT_JOB_WRITE_ARRAYS_H
 

@@ -36,8 +36,8 @@ struct mlrt_packet_hits {
 
 /* What the rays of a packet have. */
 struct mlrt_packet_traits {
-    int apex; /* all rays start at one point */
-    int skip;
+    int apex;   /* all rays start at one point */
+    int skip;   /* rays may each have a triangle that they pass through */
     int limits; /* 0 = all t_min are 0 or less, and all t_max are equal */
     int masks;  /* 0 = the rays see all triangles, or have the mask of the worker (job/job.h) */
 };

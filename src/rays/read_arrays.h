@@ -63,11 +63,12 @@ static MLRT_NOINLINE void read_structs(const struct mlrt_array_layout *points, c
     }
 }
 
+/* As read_vectors_apart, and faster where vectors follow each other without a gap, or all lanes share one. */
 static MLRT_NOINLINE void read_vectors(const struct mlrt_array_layout *layout, const unsigned char *first,
                                        const float *from, float (*rows)[MLRT_PACKET_RAYS], float *fourth)
 {
     const float *one = (const float *)(const void *)first;
-    const int is_packed = layout->step == 12; /* vectors follow each other without a gap */
+    const int is_packed = layout->step == 12; /* so no word behind a vector is to be read */
     if (!is_packed && layout->step) {
         read_vectors_apart(layout, first, from, rows, fourth);
         return;

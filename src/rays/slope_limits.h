@@ -23,7 +23,7 @@
  */
 #define SLOPE_FLOOR 0x1p-100f
 
-/* A bundle has only rays whose |d_main|, in units, is between these: t is divided and multiplied by it. */
+/* The pace of a ray is |d_main| in units. In a bundle it is between these: t is divided and multiplied by it. */
 #define LEAST_PACE    0x1p-125f
 #define GREATEST_PACE 0x1p125f
 

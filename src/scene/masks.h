@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Masks: a ray sees a triangle if their masks have a bit in common. Callers need not ask for a ray with MLRT_MASK_ALL.
+ * Masks: a ray sees a triangle if their masks have a bit in common. A ray with MLRT_MASK_ALL sees every triangle.
  */
 #ifndef MLRT_SCENE_MASKS_H
 #define MLRT_SCENE_MASKS_H

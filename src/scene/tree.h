@@ -28,8 +28,8 @@ struct mlrt_node;
 /* The hierarchy of boxes. bvh/node.h describes its arrays. A file has `unit` and `leaf_quad_count` as they lie here. */
 struct mlrt_bvh {
     struct mlrt_bvh_node *nodes;
-    uint32_t node_count; /* 0 without triangles */
-    uint32_t quad_count;
+    uint32_t node_count;      /* 0 without triangles */
+    uint32_t quad_count;      /* of leaves, and behind them of triangles that no leaf has as they were given */
     float *corners;           /* 36 * quad_count + 16 */
     uint32_t *numbers;        /* 4 * quad_count + 16 */
     uint32_t *places;         /* of all triangles, mlrt_pack_place; NULL = tree->triangles has them */
