@@ -85,6 +85,7 @@ static void fill_part(const struct mlrt_bvh_build *build, const struct mlrt_bvh_
         mlrt_fill_bins(build, first, count, &set->centres, bins);
 }
 
+/* Adds a chunk of the shared set to the bins of a worker. */
 static void fill_share(struct mlrt_bvh_build *build, uint32_t chunk, uint32_t worker)
 {
     const struct mlrt_bvh_set *set = &build->work.shared->set;
@@ -92,9 +93,9 @@ static void fill_share(struct mlrt_bvh_build *build, uint32_t chunk, uint32_t wo
               &build->work.shares[worker]);
 }
 
-/* Fills bins with the references of a portion. If the call is cancelled, not with all. */
-static void fill(struct mlrt_bvh_build *build, const struct mlrt_portion *portion, enum mlrt_split_kind kind,
-                 struct mlrt_bvh_bins *all)
+/* Fills bins with the references of a portion, by all workers if it is shared; if cancelled, not with all. */
+static void fill_bins(struct mlrt_bvh_build *build, const struct mlrt_portion *portion, enum mlrt_split_kind kind,
+                      struct mlrt_bvh_bins *all)
 {
     const uint32_t count = portion->set.count;
     mlrt_clear_bins(kind, count, all);
@@ -113,7 +114,7 @@ static MLRT_NOINLINE void find_split(struct mlrt_bvh_build *build, const struct 
                                      enum mlrt_split_kind kind, struct mlrt_bvh_split *split)
 {
     struct mlrt_bvh_bins bins;
-    if (kind != MLRT_SPLIT_BY_RANK) fill(build, portion, kind, &bins);
+    if (kind != MLRT_SPLIT_BY_RANK) fill_bins(build, portion, kind, &bins);
     if (kind == MLRT_SPLIT_BY_RANK)
         mlrt_sweep_set(build, &portion->set, split);
     else if (kind == MLRT_SPLIT_BY_BIN)
@@ -133,7 +134,8 @@ static int overlaps(const struct mlrt_bvh_build *build, const struct mlrt_bvh_sp
     return area_of(&common) > build->preset->overlap_limit * build->scene_area;
 }
 
-static void choose(struct mlrt_bvh_build *build, struct mlrt_portion *portion, struct mlrt_bvh_split *split)
+/* Sets *split to the cheapest of any kind. Counts a spatial split tried in vain, and forgets those when one is made. */
+static void choose_split(struct mlrt_bvh_build *build, struct mlrt_portion *portion, struct mlrt_bvh_split *split)
 {
     struct mlrt_bvh_split plane;
     const int is_sorted = portion->set.count <= MLRT_SWEEP_LIMIT;
@@ -194,8 +196,8 @@ static void halve_set(const struct mlrt_bvh_build *build, const struct mlrt_bvh_
  * Deals the references of a portion out to its sides: halves, if there is no split, or a spatial split leaves one side
  * empty. Returns 0 if the call is cancelled.
  */
-static int apply(struct mlrt_bvh_build *build, const struct mlrt_portion *portion, const struct mlrt_bvh_split *split,
-                 struct mlrt_portion sides[2])
+static int apply_split(struct mlrt_bvh_build *build, const struct mlrt_portion *portion,
+                       const struct mlrt_bvh_split *split, struct mlrt_portion sides[2])
 {
     struct mlrt_bvh_set sets[2];
     if (split->cost == HUGE_VAL)
@@ -221,9 +223,9 @@ int mlrt_cut_portion(struct mlrt_bvh_build *build, struct mlrt_portion *portion,
     int is_small = portion->set.count <= MLRT_BVH_LEAF_LIMIT;
     if (is_small && (portion->budget < 2 || portion->set.count < 2)) return 0;
     if (mlrt_advance(build->progress, build->limits.cut_work * portion->set.count)) return 0;
-    choose(build, portion, &split);
+    choose_split(build, portion, &split);
     /* If cancelled, bins may be unfinished, and a plane chosen from them may cut more references than fit. */
     if (split.kind == MLRT_SPLIT_BY_PLANE && mlrt_is_cancelled(build->progress)) return 0;
     if (is_small && (split.cost == HUGE_VAL || !split_pays(build, &portion->set, &split))) return 0;
-    return apply(build, portion, &split, sides);
+    return apply_split(build, portion, &split, sides);
 }
