@@ -107,12 +107,12 @@ static MLRT_NOINLINE uint32_t trace_rays(const struct run *run, struct worker *w
     return traced;
 }
 
-static int32_t run_item(void *work, uint32_t item, uint32_t number)
+static int32_t run_item(void *work, uint32_t item, uint32_t worker_number)
 {
     struct run *run = work;
     const uint32_t begin = item * ITEM_RAYS, count = mlrt_item_size(run->source->count, ITEM_RAYS, item);
     for (uint32_t i = 0, traced; i < count; i += traced) {
-        MLRT_COMPUTE(traced = trace_rays(run, &run->workers[number], begin + i, count - i));
+        MLRT_COMPUTE(traced = trace_rays(run, &run->workers[worker_number], begin + i, count - i));
         if (!traced) return MLRT_ERROR_OUT_OF_MEMORY;
         if (mlrt_advance(&run->progress, traced)) return MLRT_ERROR_CANCELLED;
     }

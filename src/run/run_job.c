@@ -24,23 +24,22 @@ struct run {
 };
 
 /* Describes a traced tile to the callback: its place in the picture, and the arrays that were asked for. */
-static void describe_tile(const struct mlrt_job *job, const struct mlrt_worker *worker, uint32_t number, uint32_t width,
-                          uint32_t height, mlrt_tile *tile)
+static void describe_tile(const struct mlrt_job *job, const struct mlrt_sink *sink, uint32_t worker_number,
+                          const struct mlrt_rectangle *area, mlrt_tile *tile)
 {
-    const struct mlrt_sink *sink = &worker->sinks.tile;
-    *tile = (mlrt_tile){sizeof *tile,
-                        number,
-                        job->source.view.crop_x + sink->x,
-                        job->source.view.crop_y + sink->y,
-                        width,
-                        height,
-                        (const float *)(const void *)sink->channel[MLRT_CHANNEL_T].data,
-                        (const float *)(const void *)sink->channel[MLRT_CHANNEL_U].data,
-                        (const float *)(const void *)sink->channel[MLRT_CHANNEL_V].data,
-                        (const uint32_t *)(const void *)sink->channel[MLRT_CHANNEL_MESH].data,
-                        (const uint32_t *)(const void *)sink->channel[MLRT_CHANNEL_TRIANGLE].data,
-                        (const int32_t *)(const void *)sink->channel[MLRT_CHANNEL_FACING].data,
-                        sink->channel[MLRT_CHANNEL_OCCLUDED].data};
+    *tile = (mlrt_tile){.struct_size = sizeof *tile,
+                        .worker = worker_number,
+                        .x = job->source.view.crop_x + area->x,
+                        .y = job->source.view.crop_y + area->y,
+                        .width = area->width,
+                        .height = area->height,
+                        .t = (const float *)(const void *)sink->channel[MLRT_CHANNEL_T].data,
+                        .u = (const float *)(const void *)sink->channel[MLRT_CHANNEL_U].data,
+                        .v = (const float *)(const void *)sink->channel[MLRT_CHANNEL_V].data,
+                        .mesh = (const uint32_t *)(const void *)sink->channel[MLRT_CHANNEL_MESH].data,
+                        .triangle = (const uint32_t *)(const void *)sink->channel[MLRT_CHANNEL_TRIANGLE].data,
+                        .facing = (const int32_t *)(const void *)sink->channel[MLRT_CHANNEL_FACING].data,
+                        .occluded = sink->channel[MLRT_CHANNEL_OCCLUDED].data};
 }
 
 /* Traces a tile to the frame and to the worker's tile buffer, whose rows are as wide as the tile. */
@@ -55,11 +54,11 @@ static MLRT_NOINLINE void trace_item(const struct run *run, struct mlrt_worker *
     run->job->kernels->trace_area(run->job, worker, area);
 }
 
-static int32_t run_item(void *work, uint32_t item, uint32_t number)
+static int32_t run_item(void *work, uint32_t item, uint32_t worker_number)
 {
     struct run *run = work;
     const struct mlrt_job *job = run->job;
-    struct mlrt_worker *worker = &run->workers[number];
+    struct mlrt_worker *worker = &run->workers[worker_number];
     const uint32_t size = job->initial_tile_size;
     const struct mlrt_rectangle whole = {0, 0, job->source.width, job->source.height};
     const struct mlrt_rectangle area =
@@ -72,7 +71,7 @@ static int32_t run_item(void *work, uint32_t item, uint32_t number)
     if (worker->watch.stopped) return 1;
     if (job->callback.function) {
         mlrt_tile tile;
-        describe_tile(job, worker, number, area.width, area.height, &tile);
+        describe_tile(job, &worker->sinks.tile, worker_number, &area, &tile);
         if (job->callback.function(job->callback.user, &tile) != 0) return 1;
     }
     return mlrt_advance(&run->progress, (double)area.width * area.height - worker->watch.pixels_told);
