@@ -52,19 +52,19 @@ static int has_greater_number(const struct order *order, const struct mlrt_neare
 typedef int comparison(const struct order *order, const struct mlrt_nearest *first, const struct mlrt_nearest *second);
 
 /*
- * Lets hit i of `count` sink to its place in a heap, where each hit comes before its two children, 2 i + 1 and 2 i + 2.
+ * Moves hit i of `count` down to its place in a heap, where each hit comes before its children, 2 i + 1 and 2 i + 2.
  * No qsort: it may take memory that is not the host's.
  */
-MLRT_INLINE void sink(comparison *is_first, const struct order *order, struct mlrt_nearest *heap, uint32_t i,
-                      uint32_t count)
+MLRT_INLINE void sift_down(comparison *is_first, const struct order *order, struct mlrt_nearest *heap, uint32_t i,
+                           uint32_t count)
 {
-    const struct mlrt_nearest sinking = heap[i];
+    const struct mlrt_nearest sifted = heap[i];
     for (uint32_t child; (child = 2 * i + 1) < count; i = child) {
         if (child + 1 < count && is_first(order, &heap[child + 1], &heap[child])) ++child;
-        if (!is_first(order, &heap[child], &sinking)) break;
+        if (!is_first(order, &heap[child], &sifted)) break;
         heap[i] = heap[child];
     }
-    heap[i] = sinking;
+    heap[i] = sifted;
 }
 
 /*
@@ -74,10 +74,10 @@ MLRT_INLINE void sink(comparison *is_first, const struct order *order, struct ml
 MLRT_INLINE void move_to_end(comparison *is_first, const struct order *order, uint32_t wanted,
                              struct mlrt_nearest *heap, uint32_t count)
 {
-    for (uint32_t i = count / 2; i-- > 0;) sink(is_first, order, heap, i, count);
+    for (uint32_t i = count / 2; i-- > 0;) sift_down(is_first, order, heap, i, count);
     for (; wanted > 0 && count > 1; --wanted) {
         swap(&heap[0], &heap[--count]);
-        sink(is_first, order, heap, 0, count);
+        sift_down(is_first, order, heap, 0, count);
     }
 }
 

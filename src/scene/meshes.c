@@ -98,18 +98,18 @@ int32_t mlrt_copy_triangle(const mlrt_mesh *mesh, size_t i, size_t triangle, int
 /* ---- ids ---- */
 
 /*
- * Lets position i of `count` sink to its place in a heap of positions with the greatest id on top. No qsort: it may
+ * Moves position i of `count` down to its place in a heap of positions with the greatest id on top. No qsort: it may
  * take memory that is not the host's.
  */
-static void sink(const uint32_t *ids, uint32_t *heap, uint32_t i, uint32_t count)
+static void sift_down(const uint32_t *ids, uint32_t *heap, uint32_t i, uint32_t count)
 {
-    const uint32_t sinking = heap[i];
+    const uint32_t sifted = heap[i];
     for (uint32_t child; (child = 2 * i + 1) < count; i = child) {
         if (child + 1 < count && ids[heap[child + 1]] > ids[heap[child]]) ++child;
-        if (ids[heap[child]] <= ids[sinking]) break;
+        if (ids[heap[child]] <= ids[sifted]) break;
         heap[i] = heap[child];
     }
-    heap[i] = sinking;
+    heap[i] = sifted;
 }
 
 /* Sorts positions by id, which makes equal ids neighbours. Ids must be distinct and not MLRT_NONE. Returns a status. */
@@ -118,12 +118,12 @@ static int32_t sort_mesh_ids(struct mlrt_tree *tree)
     const uint32_t *ids = tree->meshes.ids, count = tree->meshes.count;
     uint32_t *sorted = tree->meshes.by_id;
     for (uint32_t i = 0; i < count; ++i) sorted[i] = i;
-    for (uint32_t i = count / 2; i-- > 0;) sink(ids, sorted, i, count);
+    for (uint32_t i = count / 2; i-- > 0;) sift_down(ids, sorted, i, count);
     for (uint32_t left = count; left > 1;) {
         const uint32_t greatest = sorted[0];
         sorted[0] = sorted[--left];
         sorted[left] = greatest;
-        sink(ids, sorted, 0, left);
+        sift_down(ids, sorted, 0, left);
     }
     for (uint32_t i = 0; i < count; ++i) {
         const unsigned long id = ids[sorted[i]], position = sorted[i], last = i > 0 ? sorted[i - 1] : position;
