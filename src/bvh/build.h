@@ -60,7 +60,7 @@ struct mlrt_bvh_split {
     enum mlrt_split_kind kind;
     uint32_t axis;
     uint32_t bin;                   /* bins up to this one are the lower side */
-    uint32_t count[2];              /* references of each side; by a plane at most, those on both sides counted twice */
+    uint32_t count[2];              /* references of each side; by a plane the most: those on both count on each */
     uint8_t rank[MLRT_SWEEP_LIMIT]; /* by rank: of each reference, in the order of centres */
     struct mlrt_quad_box box[2];    /* of both sides; by a plane estimated */
 };

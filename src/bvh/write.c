@@ -28,16 +28,16 @@ static uint32_t quads_of(uint32_t count)
  */
 static uint32_t sort_numbers(const uint32_t *words, uint32_t count, uint32_t *numbers)
 {
-    uint32_t first = 0;
+    uint32_t originals = 0;
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t number = words[i] & ~MLRT_REFERENCE_COPY;
         uint32_t j = i;
         for (; j > 0 && numbers[j - 1] > number; j--) numbers[j] = numbers[j - 1];
         numbers[j] = number;
-        const uint32_t below = first & ((1u << j) - 1);
-        first = below | (uint32_t) !(words[i] & MLRT_REFERENCE_COPY) << j | (first & ~below) << 1;
+        const uint32_t below = originals & ((1u << j) - 1);
+        originals = below | (uint32_t) !(words[i] & MLRT_REFERENCE_COPY) << j | (originals & ~below) << 1;
     }
-    return first;
+    return originals;
 }
 
 /*
@@ -65,7 +65,7 @@ static void write_leaf(const struct mlrt_bvh_build *build, const struct mlrt_bin
     float *corners = tree->bvh.corners + 36 * (size_t)quad;
     const uint32_t row = 4 * quads_of(node->count);
     for (uint32_t i = 0; i < node->count; i++) prefetch_triangle(tree, words[i + MLRT_WORDS_AHEAD]);
-    const uint32_t first = sort_numbers(words, node->count, numbers);
+    const uint32_t originals = sort_numbers(words, node->count, numbers);
     for (uint32_t place = 0; place < node->count; place++) {
         const struct mlrt_triangle *given = &tree->triangles[numbers[place]];
         struct mlrt_triangle in_units;
@@ -77,7 +77,7 @@ static void write_leaf(const struct mlrt_bvh_build *build, const struct mlrt_bin
             write_corners(NULL, row, corners + place);
             continue;
         }
-        if (tree->bvh.places != NULL && first >> place & 1)
+        if (tree->bvh.places != NULL && originals >> place & 1)
             tree->bvh.places[numbers[place]] = mlrt_pack_place(quad, row / 4, place);
     }
     for (uint32_t place = node->count; place < row; place++) {

@@ -34,7 +34,7 @@ struct mlrt_triangles {
 #define MLRT_PLACE_QUADS (1u << 26)
 #endif
 
-/* A place: `place` of the leaf, or of the only quad, that begins with quad `first` and has 1 to 4 quads. */
+/* Place 0 .. 15 of a leaf whose 1 to 4 quads begin with quad `first`, or place 0 .. 3 of a quad behind the leaves. */
 static inline uint32_t mlrt_pack_place(uint32_t first, uint32_t quad_count, uint32_t place)
 {
     return first << 6 | place << 2 | (quad_count - 1);

@@ -63,7 +63,7 @@ struct mlrt_known_plane {
 #define MLRT_KNOWN_PLANE_BITS 12
 #define MLRT_FEW_PLANE_BITS   4
 
-/* Answers about triangles that a worker keeps, since neighbouring rays need the same ones (undecided.h). */
+/* Which triangles lie in one plane, as far as a worker has found: neighbouring rays need the same (undecided.h). */
 struct mlrt_known_planes {
     uint32_t plane_mask;             /* length of the table, a power of two, less one */
     struct mlrt_known_plane *planes; /* entry number & plane_mask */

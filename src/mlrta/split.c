@@ -332,7 +332,7 @@ struct boundary {
     double cost;
     struct binning binning;
     uint32_t axis;
-    int bin;            /* above it; 0 = there is none */
+    int bin;            /* the first above it; 0 = there is no boundary */
     size_t below_count; /* of references that start below bin - 1 */
     size_t above_count; /* of those that do not end below bin - 1 */
 };
