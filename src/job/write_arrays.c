@@ -337,6 +337,7 @@ void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, const struct mlrt_re
     if (!image->data) return;
     unsigned char *corner = mlrt_find_corner(sink, image, block);
     if (MLRT_LIKELY(lanes == 0xFFFF && image->stride == 1)) {
+        /* From squares of 2x2 to rows: bit 4 y + x is that of column x and row y. */
         uint32_t rows = (occluded & 0xC3C3) | (occluded & 0x0C0C) << 2 | (occluded & 0x3030) >> 2;
         MLRT_UNROLL
         for (int row = 0; row < 4; ++row, rows >>= 4, corner += image->row_stride)
