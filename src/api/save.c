@@ -345,9 +345,7 @@ static int take_sections(const struct header *header, const unsigned char *data,
     return 1;
 }
 
-/*
- * Checks the tables of meshes. If ids ascend strictly in meshes.by_id, all positions are different, and so are all ids.
- */
+/* Checks the tables of meshes. If ids ascend strictly in meshes.by_id, all positions differ, and so do all ids. */
 static const char *check_meshes(const struct mlrt_tree *tree)
 {
     uint32_t first = 0;
@@ -389,9 +387,7 @@ static const char *check_report(struct mlrt_tree *tree)
     return NULL;
 }
 
-/*
- * Also checks that the file has no counts and numbers of another structure: saved again, the tree would have the same.
- */
+/* Also checks that the file has no counts or numbers of another structure: saved again, the tree has the same. */
 static const char *check_contents(const struct header *header, struct mlrt_tree *tree)
 {
     struct header again;

@@ -55,9 +55,7 @@ static void cut_item(struct mlrt_bvh_build *build, uint32_t item, uint32_t worke
     if (mlrt_cut_portion(build, portion, sides)) node->upper = sides[1].node;
 }
 
-/*
- * Cuts the sets of a level: first those that have much of it, with bins that all workers fill, then each by one worker.
- */
+/* Cuts the sets of a level: first those that have much of it, with bins that all workers fill, then the others. */
 static void cut_level(struct mlrt_bvh_build *build, uint32_t count)
 {
     const uint64_t worker_count = mlrt_worker_count(build->pool);

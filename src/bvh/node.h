@@ -61,7 +61,7 @@ struct mlrt_bvh_node {
     MLRT_ALIGNED(64) uint32_t child[MLRT_BVH_WIDTH];
 };
 
-/* The quads of a leaf; 0 for a node. */
+/* How many quads a leaf has; 0 for a node. */
 static inline uint32_t mlrt_bvh_quad_count(uint32_t child)
 {
     return child & 7;
@@ -73,7 +73,7 @@ static inline uint32_t mlrt_bvh_offset(uint32_t child)
     return child >> 3;
 }
 
-/* The triangles of a leaf. */
+/* How many triangles a leaf has. */
 static inline uint32_t mlrt_bvh_leaf_count(const struct mlrt_bvh *bvh, uint32_t child)
 {
     const uint32_t *numbers = bvh->numbers + 4 * (size_t)mlrt_bvh_offset(child);

@@ -170,9 +170,7 @@ static void write_slots(struct mlrt_bvh_build *build, uint32_t number, uint32_t 
 
 /* ---- tasks and what is above them ---------------------------------------------------------------------------- */
 
-/*
- * Writes the nodes of sixteen above the tasks from the cursor on, or only moves the cursor. Returns where it is then.
- */
+/* Writes the nodes of sixteen above the tasks from the cursor on, or only moves the cursor. Returns it, moved. */
 static struct mlrt_bvh_cursor write_upper(struct mlrt_bvh_build *build, struct mlrt_bvh_cursor cursor)
 {
     struct mlrt_bvh_subtree *next = build->work.subtrees;

@@ -125,9 +125,7 @@ struct mlrt_kernels {
     int32_t (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit);
 };
 
-/*
- * The Makefile says which of them are compiled; trace/structure.c and mlrta/structure.c have them by instruction set.
- */
+/* The Makefile says which are compiled; trace/structure.c and mlrta/structure.c have them by instruction set. */
 extern const struct mlrt_kernels mlrt_kernels_kdtree_scalar, mlrt_kernels_kdtree_sse, mlrt_kernels_kdtree_avx2;
 extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_sse, mlrt_kernels_avx2, mlrt_kernels_avx512;
 extern const struct mlrt_kernels mlrt_kernels_neon, mlrt_kernels_kdtree_neon;

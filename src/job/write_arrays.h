@@ -72,9 +72,7 @@ int mlrt_sink_is_empty(const struct mlrt_sink *sink);
 /* Bytes of one element. */
 size_t mlrt_channel_size(enum mlrt_channel channel);
 
-/*
- * Lets the judge compute t, u, v and facing of one lane that has a hit. Numbers outside of `outputs` have no meaning.
- */
+/* Lets the judge compute t, u, v and facing of a lane with a hit. Numbers outside of `outputs` have no meaning. */
 void mlrt_report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lane, uint32_t outputs,
                       struct mlrt_packet_values *values);
 

@@ -162,9 +162,7 @@ static void release_part(struct mlrt_kdtree_build *build, struct mlrt_kdtree_par
     mlrt_release_room(build, &part->built.scratch, sizeof(double));
 }
 
-/*
- * Copies a part that is built into the whole tree, where part->cell.node is its root. Returns 0 if there is no memory.
- */
+/* Copies a built part into the whole tree, where part->cell.node is its root. Returns 0 if there is no memory. */
 static int append_part(struct mlrt_kdtree_part *whole, struct mlrt_kdtree_part *part)
 {
     const uint32_t shift = whole->built.node_count - 1; /* node 1 of the part is the next of the whole tree */

@@ -69,9 +69,7 @@ MLRT_INLINE void take_limits(vf t_min, vf t_max, int v, struct mlrt_packet *pack
     i_store(packet->nearest.triangle + v, i_set1(MLRT_NONE));
 }
 
-/*
- * Sets `active` and `in_double` of `lanes` by rule R1 (mlrt_make_segment) and by which rays are float-safe (packet.h).
- */
+/* Sets `active` and `in_double` of `lanes` by rule R1 (exact/segment.h) and by which rays are float-safe (packet.h). */
 MLRT_INLINE void check_vectors(uint32_t lanes, struct mlrt_packet *packet)
 {
     struct checked_lanes origins = {0xFFFF, 0xFFFF, 0xFFFF}, directions; /* an apex is finite: source.c, camera.c */

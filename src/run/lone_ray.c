@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Rays one by one: see lone_ray.h.
- */
+/* Rays one by one: see lone_ray.h. */
 #include "run/lone_ray.h"
 
 #include "base/host.h"
