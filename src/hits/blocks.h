@@ -7,9 +7,10 @@
 #define MLRT_HITS_BLOCKS_H
 
 #include "base/counters.h"
-#include "hits/finish.h"
 #include "hits/shadow_ray.h"
+#include "hits/trace_in_double.h"
 #include "hits/write_packet.h"
+#include "hits/write_to_sinks.h"
 #include "rays/fetch_block.h"
 #include "simd/sixteen.h"
 

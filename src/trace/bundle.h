@@ -161,9 +161,9 @@ struct mlrt_bundle_scene {
  *       | opened         it may hit another triangle (open_bundle_packet): its rays are made, if they were not
  *     going              as it ends otherwise; has_lanes from the first test of its rays on
  *
- * A packet that leaves on the way is no longer going (leave_bundle): it is covered; or its rays, once they were made, do
- * not fit, and are set aside; or it is given up, and set aside at the end. A divided packet goes down twice: its second
- * half is in later[] until the first pass has ended.
+ * A packet that leaves on the way is no longer going (leave_bundle): it is covered; or its rays, once they were made,
+ * do not fit, and are set aside; or it is given up, and set aside at the end. A divided packet goes down twice: its
+ * second half is in later[] until the first pass has ended.
  */
 struct mlrt_bundle_state {
     uint32_t going;                      /* traced as part of the bundle */

@@ -12,7 +12,7 @@
 #define MLRT_TRACE_LANE_BY_LANE_H
 
 #include "base/counters.h"
-#include "hits/finish.h"
+#include "hits/trace_in_double.h"
 #include "rays/check_packet.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"

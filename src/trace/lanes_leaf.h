@@ -17,7 +17,6 @@
 #define MLRT_TRACE_LANES_LEAF_H
 
 #include "base/counters.h"
-#include "hits/finish.h"
 #include "hits/outcome.h"
 #include "hits/triangle_filter.h"
 #include "simd/simd.h"

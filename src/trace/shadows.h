@@ -10,7 +10,7 @@
 
 #include <string.h>
 
-#include "hits/finish.h"
+#include "hits/write_to_sinks.h"
 #include "job/write_arrays.h"
 #include "simd/sixteen.h"
 #include "trace/make_rays.h"

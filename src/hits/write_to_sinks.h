@@ -1,20 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The steps around the traversal that are compiled once: rays that are traced one by one in double, and results without
- * rays, which are written to frame and callback.
- */
-#ifndef MLRT_HITS_FINISH_H
-#define MLRT_HITS_FINISH_H
+/* Writes what takes no vectors to all sinks of a worker, which are a frame and a callback's arrays. Compiled once. */
+#ifndef MLRT_HITS_WRITE_TO_SINKS_H
+#define MLRT_HITS_WRITE_TO_SINKS_H
 
 #include "job/job.h"
 #include "rays/rectangle.h"
-
-/*
- * Traces lanes of a packet one by one in double, and stores the triangles that they hit; none if the call is to end.
- * `counters` may be NULL.
- */
-void mlrt_trace_in_double(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
-                          struct mlrt_worker *worker, mlrt_counters *counters);
 
 /* Writes misses to a rectangle of a picture. */
 void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *worker,

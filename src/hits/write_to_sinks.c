@@ -1,27 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Single rays, and results of rectangles: see finish.h.
- */
-#include "hits/finish.h"
+/* See write_to_sinks.h. */
+#include "hits/write_to_sinks.h"
 
-#include "job/stop.h"
-#include "job/structure.h"
 #include "job/write_arrays.h"
-
-void mlrt_trace_in_double(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
-                          struct mlrt_worker *worker, mlrt_counters *counters)
-{
-    if (mlrt_is_stopped(worker, 0)) return;
-    for (; lanes; lanes &= lanes - 1) {
-        const uint32_t lane = mlrt_lowest_bit(lanes);
-        struct mlrt_ray_segment ray;
-        mlrt_get_segment(packet, lane, &ray);
-        if (!packet->has.masks) ray.mask = job->source.common_mask;
-        if (counters) ++counters->packet_count;
-        packet->nearest.triangle[lane] = job->tree->structure->tracer.trace_ray(
-            job->tree, &ray, packet->has.skip ? packet->skip[lane] : MLRT_NONE, job->any, NULL, counters);
-    }
-}
 
 /* The last row of a list may be short; it is written by itself. */
 void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *worker,
