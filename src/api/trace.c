@@ -5,7 +5,7 @@
  */
 #include "api/arguments.h"
 #include "api/options.h"
-#include "job/write_arrays.h"
+#include "job/sink.h"
 #include "rays/rows.h"
 #include "rays/source.h"
 #include "run/lone_ray.h"

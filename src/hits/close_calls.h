@@ -41,7 +41,7 @@
 #include "exact/rounding.h"
 #include "hits/outcome.h"
 #include "hits/undecided.h"
-#include "job/write_arrays.h"
+#include "job/read_lanes.h"
 #include "job/stop.h"
 #include "simd/doubles.h"
 #include "simd/simd.h"

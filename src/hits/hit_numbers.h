@@ -47,6 +47,7 @@
 #include "exact/vector.h"
 #include "job/hit_terms.h"
 #include "hits/outcome.h"
+#include "job/read_lanes.h"
 #include "job/write_arrays.h"
 #include "simd/double_quad.h"
 #include "simd/doubles.h"

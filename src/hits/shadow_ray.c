@@ -12,7 +12,7 @@
 #include "exact/offset.h"
 #include "exact/quotients.h"
 #include "job/structure.h"
-#include "job/write_arrays.h"
+#include "job/read_lanes.h"
 
 static double greatest_of(struct mlrt_vector a)
 {

@@ -4,7 +4,7 @@
 
 #include "job/stop.h"
 #include "job/structure.h"
-#include "job/write_arrays.h"
+#include "job/read_lanes.h"
 
 void mlrt_trace_in_double(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
                           struct mlrt_worker *worker, mlrt_counters *counters)

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "exact/nearest.h"
-#include "job/write_arrays.h"
+#include "job/read_lanes.h"
 #include "job/stop.h"
 #include "simd/sixteen.h"
 

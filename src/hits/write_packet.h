@@ -8,6 +8,7 @@
 
 #include "hits/hit_numbers.h"
 #include "hits/outcome.h"
+#include "job/sink.h"
 #include "job/write_arrays.h"
 #include "job/job.h"
 #include "rays/rectangle.h"

@@ -9,7 +9,8 @@
 #include "base/forms.h"
 #include "base/tuning.h"
 #include "job/hit_terms.h"
-#include "job/write_arrays.h"
+#include "job/sink.h"
+#include "rays/rectangle.h"
 #include "rays/source.h"
 
 /* State of workers that only one structure uses: trace/bundle.h and mlrta/setups.h. */

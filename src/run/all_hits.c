@@ -10,7 +10,8 @@
 #include "base/structs.h"
 #include "exact/hit_list.h"
 #include "job/structure.h"
-#include "job/write_arrays.h"
+#include "job/set_hit.h"
+#include "job/sink.h"
 
 #define ITEM_RAYS 256
 

@@ -4,6 +4,7 @@
 
 #include "base/host.h"
 #include "job/job.h"
+#include "job/set_hit.h"
 #include "job/structure.h"
 #include "rays/meet_scene.h"
 #include "scene/tree.h"

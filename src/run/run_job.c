@@ -12,7 +12,7 @@
 #include "base/structs.h"
 #include "hits/undecided.h"
 #include "job/structure.h"
-#include "job/write_arrays.h"
+#include "job/sink.h"
 #include "rays/rectangle.h"
 #include "simd/sixteen.h"
 

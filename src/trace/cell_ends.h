@@ -10,7 +10,7 @@
 #ifndef MLRT_TRACE_CELL_ENDS_H
 #define MLRT_TRACE_CELL_ENDS_H
 
-#include "job/write_arrays.h"
+#include "job/set_hit.h"
 #include "rays/extremes.h"
 #include "rays/read_arrays.h"
 #include "rays/rectangle.h"

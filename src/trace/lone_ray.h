@@ -8,7 +8,7 @@
 #include <float.h>
 
 #include "hits/hit_numbers.h"
-#include "job/write_arrays.h"
+#include "job/set_hit.h"
 #include "rays/lone_ray.h"
 #include "trace/single_ray.h"
 
