@@ -13,6 +13,7 @@
 #include "rays/camera.h"
 #include "rays/lone_ray.h"
 #include "rays/source.h"
+#include "scene/triangle_numbers.h"
 
 static float *vector_at(const mlrt_array *array, uint32_t width, uint32_t i, uint32_t j)
 {

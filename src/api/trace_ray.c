@@ -12,6 +12,7 @@
 #include "rays/source.h"
 #include "run/dispatch.h"
 #include "run/lone_ray.h"
+#include "scene/triangle_numbers.h"
 
 /* Sets what of a ray follows from options, which were checked; NULL = defaults. */
 MLRT_INLINE void set_lone_ray(const mlrt_ray *ray, const mlrt_trace_options *options, struct mlrt_lone_ray *lone)

@@ -12,6 +12,7 @@
 #include "job/write_arrays.h"
 #include "job/job.h"
 #include "rays/rectangle.h"
+#include "scene/triangle_numbers.h"
 #include "simd/simd.h"
 #include "simd/sixteen.h"
 

@@ -6,15 +6,7 @@
 #include <string.h>
 
 #include "job/sink.h"
-
-void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh, uint32_t *triangle)
-{
-    *mesh = *triangle = MLRT_NONE;
-    if (number == MLRT_NONE) return;
-    const uint32_t position = mlrt_mesh_of_triangle(tree, number);
-    *mesh = tree->meshes.ids[position];
-    *triangle = number - tree->meshes.first[position];
-}
+#include "scene/triangle_numbers.h"
 
 void mlrt_set_hit(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t number, uint32_t outputs,
                   mlrt_hit *hit)

@@ -7,9 +7,6 @@
 #include "rays/lone_ray.h"
 #include "scene/tree.h"
 
-/* Sets the ids of triangle `number`; those of a miss for MLRT_NONE. */
-void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh, uint32_t *triangle);
-
 /*
  * Sets all fields of a hit, `occluded` to 0, for triangle `number`; those of a miss for MLRT_NONE. The judge computes
  * the numbers that `outputs` asks for; the others have no meaning.

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "job/set_hit.h"
+#include "scene/triangle_numbers.h"
 #include "simd/quad.h"
 #include "simd/sixteen.h"
 

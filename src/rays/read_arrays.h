@@ -10,6 +10,7 @@
 
 #include "rays/array_layout.h"
 #include "rays/packet.h"
+#include "scene/triangle_numbers.h"
 #include "simd/simd.h"
 
 /* The offset of the element of a packet's lane from that of lane 0. */

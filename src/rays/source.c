@@ -113,29 +113,6 @@ void mlrt_set_masks(const struct mlrt_tree *tree, uint32_t common, struct mlrt_s
 
 /* ---- reading rays ---- */
 
-struct mlrt_mesh_range mlrt_find_mesh(const struct mlrt_tree *tree, uint32_t mesh_id)
-{
-    const struct mlrt_mesh_range none = {0, 0};
-    uint32_t below = 0, above = tree->meshes.count;
-    while (below < above) {
-        uint32_t middle = below + (above - below) / 2;
-        if (tree->meshes.ids[tree->meshes.by_id[middle]] < mesh_id)
-            below = middle + 1;
-        else
-            above = middle;
-    }
-    if (below == tree->meshes.count) return none;
-    const uint32_t mesh = tree->meshes.by_id[below];
-    if (tree->meshes.ids[mesh] != mesh_id) return none;
-    return (struct mlrt_mesh_range){tree->meshes.first[mesh], tree->meshes.first[mesh + 1] - tree->meshes.first[mesh]};
-}
-
-uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, uint32_t triangle)
-{
-    const struct mlrt_mesh_range mesh = mlrt_find_mesh(tree, mesh_id);
-    return triangle < mesh.count ? mesh.first + triangle : MLRT_NONE;
-}
-
 int mlrt_get_ray(const struct mlrt_source *source, uint32_t i, struct mlrt_ray_segment *ray, uint32_t *skip)
 {
     struct mlrt_lone_ray given;

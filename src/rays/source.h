@@ -17,6 +17,7 @@
 #include "rays/lone_ray.h"
 #include "rays/packet.h"
 #include "scene/tree.h"
+#include "scene/triangle_numbers.h"
 
 enum mlrt_source_kind {
     MLRT_SOURCE_CAMERA,
@@ -73,18 +74,6 @@ void mlrt_set_light(const mlrt_light *light, struct mlrt_source *source);
  * packet, they are a list.
  */
 void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source);
-
-/* The numbers of a mesh's triangles. */
-struct mlrt_mesh_range {
-    uint32_t first;
-    uint32_t count;
-};
-
-/* The triangles of the mesh with this id; count = 0 if there is no such mesh. */
-struct mlrt_mesh_range mlrt_find_mesh(const struct mlrt_tree *tree, uint32_t mesh_id);
-
-/* The number of triangle `triangle` of the mesh with this id; MLRT_NONE if there is no such triangle. */
-uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, uint32_t triangle);
 
 /*
  * Reads ray i of arrays. Returns 0 if it can hit nothing, or does not exist. *skip receives the number of the triangle

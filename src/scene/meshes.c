@@ -8,6 +8,7 @@
 #include "base/progress.h"
 #include "base/scheduler.h"
 #include "base/structs.h"
+#include "scene/triangle_numbers.h"
 
 /* Triangles that a worker copies at a time, before it calls mlrt_advance: less than a millisecond. */
 #define CHUNK_SIZE 8192

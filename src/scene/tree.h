@@ -88,21 +88,6 @@ static inline void mlrt_find_triangles(struct mlrt_tree *tree)
 /* Returns an empty tree, allocated from `memory`, which it keeps; NULL if out of memory. */
 struct mlrt_tree *mlrt_allocate_tree(const struct mlrt_structure *structure, const struct mlrt_memory *memory);
 
-/* Returns the position of the mesh that triangle `number` belongs to. */
-static inline uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
-{
-    uint32_t below = 0, above = tree->meshes.count;
-    while (above - below > 1) {
-        uint32_t middle = below + (above - below) / 2;
-        if (tree->meshes.first[middle] <= number) {
-            below = middle;
-        } else {
-            above = middle;
-        }
-    }
-    return below;
-}
-
 /* 1 if rays can hit a triangle. If not, it is left out: counts why. */
 static inline int mlrt_keep_triangle(const struct mlrt_triangle *triangle, uint64_t *non_finite_count,
                                      uint64_t *zero_area_count)

@@ -10,10 +10,10 @@
 #ifndef MLRT_TRACE_CELL_ENDS_H
 #define MLRT_TRACE_CELL_ENDS_H
 
-#include "job/set_hit.h"
 #include "rays/extremes.h"
 #include "rays/read_arrays.h"
 #include "rays/rectangle.h"
+#include "scene/triangle_numbers.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
 #include "trace/cells.h"

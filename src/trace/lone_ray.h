@@ -10,6 +10,7 @@
 #include "hits/hit_numbers.h"
 #include "job/set_hit.h"
 #include "rays/lone_ray.h"
+#include "scene/triangle_numbers.h"
 #include "trace/single_ray.h"
 
 /* What a lone ray is traced with. Of the worker only the fields that are set below are used. */
