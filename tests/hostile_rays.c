@@ -241,6 +241,19 @@ static void add_any_length(struct ray_list *list, struct random *random, const s
     add_ray(list, origin, direction);
 }
 
+/* A direction so long or short that t is about a limit of floats. */
+static void add_with_t_at_a_limit(struct ray_list *list, struct random *random, const struct fixture *fixture)
+{
+    static const float limits[] = {0x1p-149f, 0x1p-140f, FLT_MIN, FLT_MIN, FLT_MAX};
+    struct reference_hit hit;
+    add_aimed(list, random, fixture);
+    struct reference_ray *ray = &list->rays[list->count - 1];
+    reference_trace(fixture->reference, ray, &hit);
+    const double t = isfinite(hit.t) && hit.t > 0 ? (double)hit.t : 1;
+    const double limit = (double)limits[draw_below(random, 5)] * (1 + 0x1p-22 * draw_signed(random));
+    for (int k = 0; k < 3; k++) ray->direction[k] = round_finite((double)ray->direction[k] * t / limit);
+}
+
 /* A range whose end is the exact distance, a float more or less; or one that skips what would be hit. */
 static void add_with_range(struct ray_list *list, struct random *random, const struct fixture *fixture)
 {
@@ -338,6 +351,7 @@ static const struct {
     {{"from surfaces, a float off", "8 24 32", 6}, add_from_surface},
     {{"grazing, in planes of triangles", "5 7 8 25", 6}, add_grazing},
     {{"directions of length 1e-30 to 1e30", "14 16", 6}, add_any_length},
+    {{"t about the least or the greatest float", "14 16", 4}, add_with_t_at_a_limit},
     {{"ranges that end at the exact t; skips", "6 9 18", 8}, add_with_range},
     {{"shadow rays", "9 43", 6}, add_shadow},
     {{"good rays with bad neighbours", "17 18 42", 4}, add_spoiled},
