@@ -318,6 +318,58 @@ static MLRT_NOINLINE void find_open_edges(const struct mlrt_bundle *bundle, cons
     }
 }
 
+/*
+ * Of the packets `met` of a vector, returns those that are closed and none of whose rays reaches the triangle. Only
+ * packets that meet the plane near an end are asked: most others are opened all the same, and to test them takes 1.5 %
+ * of the time (shadow rays of erw6).
+ */
+MLRT_INLINE uint32_t find_out_of_reach(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                       struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                       uint32_t triangle, int v, uint32_t met, const struct seen_pairs *of)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    const vm near_begin = v_lt(of->near, v_load(hulls->closed.common_first + v));
+    const vf common_last = v_load(hulls->closed.common_last + v), ends = v_sub(v_load(hulls->last + v), common_last);
+    const vf close = v_mul_add(v_abs(of->far), v_set1(ALWAYS_CLOSE), v_add(ends, ends));
+    const vm near_end = m_and(v_gt(of->far, common_last), v_le(v_sub(of->far, of->near), close));
+    const uint32_t asked = m_bits(m_and(of->sure, m_or(near_begin, near_end))) & met & bundle->state.closed >> v;
+    const uint32_t made = (bundle->tile ? bundle->tile->made : 0) >> v, packets = asked & made, cells = asked & ~made;
+    const uint32_t at_end = ~m_bits(near_begin) << v, backward = m_bits(of->backward) << v;
+    uint32_t apart = 0;
+    if (cells && bundle->ends_at_skip) { /* see "CELLS OF A LIGHT" */
+        const struct order_of_packets order =
+            find_order(job, worker, bundle, leaf->numbers[triangle], hulls->closed.skip, cells, v, of);
+        apart |= order.in_plane | order.farther;
+    }
+    if (cells && bundle->arrays)
+        apart |= find_cells_apart(job->tree, bundle, leaf, triangle, cells << v, at_end, backward) >> v;
+    if (packets) apart |= find_packets_apart(job->tree, bundle, leaf, triangle, packets << v, at_end, backward) >> v;
+    return apart;
+}
+
+/*
+ * Returns those packets of `met`, of a vector, not all of whose rays skip a triangle. Adds to *skipping the closed ones
+ * of which a ray skips it, as far as `covers` or a packet's rays ask for that.
+ */
+MLRT_INLINE uint32_t leave_skipping_packets(const struct mlrt_bundle *bundle, uint32_t number, int v, uint32_t met,
+                                            uint32_t covers, uint32_t *skipping)
+{
+    const uint32_t with_rays = (bundle->tile ? bundle->tile->made : 0) >> v & bundle->state.closed >> v;
+    const uint32_t without = bundle->state.closed >> v & ~with_rays;
+    met &= ~(m_bits(i_eq(i_load(bundle->hulls.closed.skip + v), i_set1(number))) & without);
+    for (uint32_t left = bundle->arrays ? met & covers & without : 0; left; left &= left - 1) {
+        if (cell_skips(bundle->arrays, (uint32_t)v + mlrt_lowest_bit(left), number)) *skipping |= left & (0u - left);
+    }
+    for (uint32_t left = met & with_rays; left; left &= left - 1) {
+        const uint32_t place = (uint32_t)v + mlrt_lowest_bit(left), bit = left & (0u - left);
+        const uint32_t lanes = skipping_lanes(bundle, place, number);
+        if (!lanes) continue;
+        *skipping |= bit;
+        if (lanes == bundle->tile->packets[place].active) met &= ~bit;
+    }
+    return met;
+}
+
 /* Tests a triangle against the hulls of the packets `among`, and sets covers. */
 MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_job *job, struct mlrt_worker *worker,
                                                             struct mlrt_bundle *bundle,
@@ -347,49 +399,10 @@ MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_jo
         const vm covers = m_and(m_and(of.inside, in_common), v_lt(of.far, cover_near));
         const vm is_cover = i_eq(i_load(hulls->closed.cover + v), i_set1(number));
         uint32_t met = asked & ~m_bits(m_or(of.out, passed)), skipping = 0;
-        /* Where rays begin or end: can they reach the triangle? */
         if (met & bundle->state.closed >> v) {
-            const vm near_begin = v_lt(of.near, v_load(hulls->closed.common_first + v));
-            const vf common_last = v_load(hulls->closed.common_last + v), ends = v_sub(last, common_last);
-            const vf close = v_mul_add(v_abs(of.far), v_set1(ALWAYS_CLOSE), v_add(ends, ends));
-            const vm near_end = m_and(v_gt(of.far, common_last), v_le(v_sub(of.far, of.near), close));
-            /*
-             * Only packets that meet the plane near an end: most others are opened all the same, and to test them takes
-             * 1.5 % of the time (shadow rays of erw6).
-             */
-            const uint32_t near_ends = m_bits(m_and(of.sure, m_or(near_begin, near_end))) & met;
-            const uint32_t made = (bundle->tile ? bundle->tile->made : 0) >> v,
-                           packets = (near_ends & made) << v & bundle->state.closed;
-            const uint32_t cells = near_ends & bundle->state.closed >> v & ~made;
-            if (cells && bundle->ends_at_skip) { /* see "CELLS OF A LIGHT" */
-                const struct order_of_packets order =
-                    find_order(job, worker, bundle, number, hulls->closed.skip, cells, v, &of);
-                met &= ~(order.in_plane | order.farther);
-            }
-            if (cells && bundle->arrays)
-                met &= ~(find_cells_apart(job->tree, bundle, leaf, triangle, cells << v, ~m_bits(near_begin) << v,
-                                          m_bits(of.backward) << v) >>
-                         v);
-            if (packets) {
-                met &= ~(find_packets_apart(job->tree, bundle, leaf, triangle, packets, ~m_bits(near_begin) << v,
-                                            m_bits(of.backward) << v) >>
-                         v);
-            }
+            met &= ~find_out_of_reach(job, worker, bundle, leaf, triangle, v, met, &of);
         }
-        /* Do rays skip it? */
-        const uint32_t with_rays = (bundle->tile ? bundle->tile->made : 0) >> v & bundle->state.closed >> v;
-        const uint32_t without = bundle->state.closed >> v & ~with_rays;
-        met &= ~(m_bits(i_eq(i_load(hulls->closed.skip + v), i_set1(number))) & without);
-        for (uint32_t left = bundle->arrays ? met & m_bits(covers) & without : 0; left; left &= left - 1) {
-            if (cell_skips(bundle->arrays, (uint32_t)v + mlrt_lowest_bit(left), number)) skipping |= left & (0u - left);
-        }
-        for (uint32_t left = met & with_rays; left; left &= left - 1) {
-            const uint32_t place = (uint32_t)v + mlrt_lowest_bit(left), bit = left & (0u - left);
-            const uint32_t lanes = skipping_lanes(bundle, place, number);
-            if (!lanes) continue;
-            skipping |= bit;
-            if (lanes == bundle->tile->packets[place].active) met &= ~bit;
-        }
+        met = leave_skipping_packets(bundle, number, v, met, m_bits(covers), &skipping);
         /* Does it cover closed packets, or hide cells in part? */
         offered.may |= (met & ~(m_bits(is_cover) & bundle->state.closed >> v)) << v;
         const uint32_t closed = met & bundle->state.closed >> v & ~(m_bits(is_cover) | skipping);
