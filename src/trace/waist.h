@@ -98,7 +98,8 @@ static void find_spread(const struct ray_sample *samples, uint32_t count, const 
  * Chooses the waist of rays from samples: at the depth z, from the origin of the first, where x + s z has the least
  * variance, var(x) + z (2 cov(x, s) + z var(s)). That is -cov(x, s) / var(s), but no farther outside of `bounds` than
  * these are deep; for rays that are nearly parallel, it is their middle. The waist of the last tile is kept while it is
- * nearly as good, so that set-ups of leaves are shared. Returns 0 without samples.
+ * nearly as good, so that set-ups of leaves are shared. No factor below is critical (docs/tried.md, "Bundles"). Returns
+ * 0 without samples.
  */
 static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struct ray_sample *samples, uint32_t count,
                                       const struct mlrt_waist *last, struct mlrt_waist *waist)
