@@ -191,59 +191,60 @@ static void odd_triangles_have_close_neighbours(void **state)
 }
 
 /*
+ * Checks rays in a scene of 40 triangles within +-size, and some more, all times 2^power, so that the unit is not 1.
+ * Frees the rays.
+ */
+static void check_in_units(uint64_t seed, float size, const float (*more)[3][3], size_t more_count, int power,
+                           struct ray_list *list)
+{
+    struct random random = {seed};
+    struct soup soup = {0};
+    soup_add_random(&soup, &random, 40, size, size / 4);
+    for (size_t i = 0; i < more_count; i++) soup_add_triangle(&soup, more[i][0], more[i][1], more[i][2]);
+    for (size_t i = 0; i < 9 * soup.count; i++) soup.corners[i] = ldexpf(soup.corners[i], power);
+    struct fixture fixture = fixture_of_soup("in units", seed, &soup);
+    assert_true(fixture.tree->bvh.unit != 1);
+    check_rays(&fixture, list);
+    free_rays(list);
+    free_fixture(&fixture);
+}
+
+/*
  * Hits whose t is about the least normal float in units, where floats below it lie as far apart as those above, and
  * half as far apart as given. The plane z + s x = 2^-126, of a triangle at the origin, is met at 2^-126 / (1 + s / 4096).
  */
 static void distances_about_the_least_normal_float(void **state)
 {
     (void)state;
-    enum { SCALE = 57 };
     for (int eighths = 1; eighths <= 24; eighths++) {
-        struct random random = {(uint64_t)eighths};
-        struct soup soup = {0};
         struct ray_list list = {0};
         const float s = ldexpf((float)eighths, -15), size = 0x1p-113f, z = 0x1p-126f;
-        const float tiny[3][3] = {{-size, -size, z + s * size}, {size, -size, z - s * size}, {0, 2 * size, z}};
-        soup_add_random(&soup, &random, 40, 1, 0.2f);
-        soup_add_triangle(&soup, tiny[0], tiny[1], tiny[2]);
-        for (size_t i = 0; i < 9 * soup.count; i++) soup.corners[i] = ldexpf(soup.corners[i], SCALE);
-        struct fixture fixture = fixture_of_soup("a tiny triangle", (uint64_t)eighths, &soup);
-        assert_true(fixture.tree->bvh.unit != 1);
+        const float tiny[1][3][3] = {{{-size, -size, z + s * size}, {size, -size, z - s * size}, {0, 2 * size, z}}};
         for (int sign = -1; sign <= 1; sign++) {
             const float origin[3] = {0, 0, 0}, direction[3] = {(float)sign * 0x1p-12f, 0, 1};
             add_ray(&list, origin, direction);
         }
-        check_rays(&fixture, &list);
-        free_rays(&list);
-        free_fixture(&fixture);
+        check_in_units((uint64_t)eighths, 1, tiny, 1, 57, &list);
     }
 }
 
 /*
  * Hits whose t as given is about the least normal float, below which floats lie as far apart as above: but in units
  * they lie half as far apart there. The ray (0, 0, s 2^126) meets the plane z = s - i ulp at 2^-126 (1 - i ulp / s).
+ * The scene is large beside s, so that the powers of rays are normal floats.
  */
 static void given_distances_about_the_least_normal_float(void **state)
 {
     (void)state;
-    enum { SCALE = -31 };
+    enum { POWER = -31 };
     for (int eighths = 8; eighths < 16; eighths++) {
         for (int i = -4; i <= 12; i++) {
-            struct random random = {(uint64_t)(16 * eighths + i)};
-            struct soup soup = {0};
             struct ray_list list = {0};
             const float s = (float)eighths / 8, z = s - (float)i * 0x1p-23f;
-            const float wall[3][3] = {{-1, -1, z}, {3, -1, z}, {-1, 3, z}};
-            soup_add_random(&soup, &random, 40, 16, 8); /* so that powers of rays are normal floats */
-            soup_add_triangle(&soup, wall[0], wall[1], wall[2]);
-            for (size_t j = 0; j < 9 * soup.count; j++) soup.corners[j] = ldexpf(soup.corners[j], SCALE);
-            struct fixture fixture = fixture_of_soup("a wall", random.state, &soup);
-            assert_true(fixture.tree->bvh.unit != 1);
-            const float origin[3] = {0, 0, 0}, direction[3] = {0, 0, ldexpf(s, 126 + SCALE)};
+            const float wall[1][3][3] = {{{-1, -1, z}, {3, -1, z}, {-1, 3, z}}};
+            const float origin[3] = {0, 0, 0}, direction[3] = {0, 0, ldexpf(s, 126 + POWER)};
             add_ray(&list, origin, direction);
-            check_rays(&fixture, &list);
-            free_rays(&list);
-            free_fixture(&fixture);
+            check_in_units((uint64_t)(16 * eighths + i), 16, wall, 1, POWER, &list);
         }
     }
 }
@@ -255,28 +256,17 @@ static void given_distances_about_the_least_normal_float(void **state)
 static void origins_that_underflow_in_units(void **state)
 {
     (void)state;
-    enum { SCALE = 57 };
-    for (int order = 0; order < 2; order++) {
-        struct random random = {(uint64_t)order + 1};
-        struct soup soup = {0};
+    const float s = 0x1p-128f, z = 3 * 0x1p-127f;
+    const float pairs[3][3][3] = {{{-s, -s, z}, {s, -s, z}, {0, 2 * s, z}},
+                                  {{-s, -s, z - s}, {s, -s, z + s}, {0, 2 * s, z + 0x1p-149f}},
+                                  {{-s, -s, z}, {s, -s, z}, {0, 2 * s, z}}};
+    for (size_t first = 0; first < 2; first++) {
         struct ray_list list = {0};
-        const float s = 0x1p-128f, z = 3 * 0x1p-127f;
-        const float flat[3][3] = {{-s, -s, z}, {s, -s, z}, {0, 2 * s, z}};
-        const float slanted[3][3] = {{-s, -s, z - s}, {s, -s, z + s}, {0, 2 * s, z + 0x1p-149f}};
-        soup_add_random(&soup, &random, 40, 1, 0.2f);
-        if (order) soup_add_triangle(&soup, flat[0], flat[1], flat[2]);
-        soup_add_triangle(&soup, slanted[0], slanted[1], slanted[2]);
-        if (!order) soup_add_triangle(&soup, flat[0], flat[1], flat[2]);
-        for (size_t i = 0; i < 9 * soup.count; i++) soup.corners[i] = ldexpf(soup.corners[i], SCALE);
-        struct fixture fixture = fixture_of_soup("two tiny triangles", (uint64_t)order, &soup);
-        assert_true(fixture.tree->bvh.unit != 1);
         for (int sign = -1; sign <= 1; sign++) {
             const float origin[3] = {(float)sign * 0x1p-93f, 0, 0}, direction[3] = {0, 0, 1};
             add_ray(&list, origin, direction);
         }
-        check_rays(&fixture, &list);
-        free_rays(&list);
-        free_fixture(&fixture);
+        check_in_units(first + 1, 1, pairs + first, 2, 57, &list);
     }
 }
 

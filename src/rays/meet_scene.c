@@ -13,13 +13,16 @@ enum mlrt_lone_ray_kind mlrt_prepare_ray_in_units(const struct mlrt_bvh *bvh, co
 {
     const f4 as_given = f4_three(given_origin), origin = f4_mul(as_given, f4_set1(bvh->unit));
     const f4 given = f4_three(given_direction);
-    f4 direction = given;
+    const f4 times_unit = f4_mul(given, f4_set1(bvh->unit));
+    f4 direction;
     t_min = t_min < 0 ? 0 : t_min;
     if (!(t_min < t_max)) return MLRT_LONE_RAY_MISSES;
     /* Two usual kinds of rays, since the greatest component takes long to find: lengths near 1, and those of scenes. */
-    if (are_near_one(direction)) {
+    if (are_near_one(given)) {
+        direction = given;
         ray->units.powers = (struct mlrt_ray_powers){1, bvh->unit};
-    } else if (are_near_one(direction = f4_mul(given, f4_set1(bvh->unit)))) {
+    } else if (are_near_one(times_unit)) {
+        direction = times_unit;
         ray->units.powers = (struct mlrt_ray_powers){bvh->unit, 1};
     } else {
         if (!mlrt_find_ray_powers(f4_greatest_of(f4_abs(given), 0), bvh->unit, &ray->units.powers)) {

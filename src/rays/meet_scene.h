@@ -33,8 +33,8 @@ enum mlrt_lone_ray_kind {
  * has a NaN, which f4_min and f4_max pass on in the order of operands below, and which t_min and t_max then replace.
  * Planes are at most 2^62 or infinite, so a box begins and ends at t < 2^123 or never. A ray that ends later ends at
  * LATEST_END, and so passes boxes that never begin; one that begins later begins there, and so meets those that never
- * end: they may have hits even then. For f4_are_within `reach` may be any float: no answer
- * depends on it (scene/reach.h), and what passes is below 2^60, the most that it can be.
+ * end: they may have hits even then. For f4_are_within `reach` may be any float: no answer depends on it
+ * (scene/reach.h), and what passes is below 2^60, the most that it can be.
  */
 MLRT_INLINE enum mlrt_lone_ray_kind mlrt_prepare_vectors(const struct mlrt_box *box, float reach, f4 origin,
                                                          f4 direction, float given_t_min, float t_max,
