@@ -1012,7 +1012,7 @@ typedef struct mlrt_light {
 /* Points of which mlrt_occluded_points tells whether they are in shadow. */
 typedef struct mlrt_points {
     uint32_t struct_size;       /* sizeof(mlrt_points) */
-    uint32_t row_length;        /* points in a row of a picture; 0 = a plain list. A hint for speed only */
+    uint32_t row_length;        /* points in a row of a picture; 0 = not known. A hint for speed only */
     size_t count;               /* at most 2^31 - 1 */
     mlrt_const_array positions; /* float[3] */
     mlrt_const_array skip; /* uint32_t[2]: mesh and triangle that the point lies on: it does not shade the point. NULL =

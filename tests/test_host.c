@@ -1029,8 +1029,11 @@ static void items_that_take_long_look_up(void **state)
         /* a component below 2^-60: such rays are traced one by one in double */
         memcpy(directions[i], ((const float[3]){1e-25f * (float)(i % 13 + 1), 0, 1}), 12);
     }
-    const mlrt_rays rays = {
-        .struct_size = sizeof rays, .count = 256, .origins = {.data = origins}, .directions = {.data = directions}};
+    const mlrt_rays rays = {.struct_size = sizeof rays,
+                            .row_length = 4, /* packets of 16 neighbours */
+                            .count = 256,
+                            .origins = {.data = origins},
+                            .directions = {.data = directions}};
     const mlrt_hit_lists lists = {.struct_size = sizeof lists, .total = {.data = totals}};
     const mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {.data = totals}};
     mlrt_tree *tree = NULL;

@@ -139,5 +139,6 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
     struct mlrt_job job;
     const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = *occluded};
     mlrt_make_light_source(tree, &own_points, &own_light, &job.source);
+    if (!own_points.row_length) mlrt_set_rows(mlrt_find_row_length(&job.source), &job.source);
     return mlrt_end_call(&call.run.voice, run_list(tree, &call, &hits, &job));
 }

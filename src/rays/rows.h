@@ -9,9 +9,9 @@
 #include "rays/source.h"
 
 /*
- * Returns the number of rays in a row, or 0 if the rays do not look like rows of pixels. A wrong answer costs speed
- * only. Reads at most a quarter of the directions (if these are equal, of the origins) and 64 more, and only a few if
- * neighbours have nothing in common. Sets the floating-point environment and restores it.
+ * Returns the number of rays in a row, or 0 if the rays are closer together as the list that they are. A wrong answer
+ * costs speed only. Reads a few hundred rays, if there are as many. Sets the floating-point environment and restores
+ * it.
  */
 uint32_t mlrt_find_row_length(const struct mlrt_source *rays);
 

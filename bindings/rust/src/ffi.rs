@@ -1062,7 +1062,7 @@ impl Default for mlrt_light {
 pub struct mlrt_points {
     /// sizeof(mlrt_points)
     pub struct_size: u32,
-    /// points in a row of a picture; 0 = a plain list. A hint for speed only
+    /// points in a row of a picture; 0 = not known. A hint for speed only
     pub row_length: u32,
     /// at most 2^31 - 1
     pub count: usize,
