@@ -43,6 +43,7 @@ SETTINGS = {
     "few rays stay": {"MANY_PACKETS": "17"},
     "leaves never asked": {"FEW_LEAF_RAYS": "0"},
     "tests without end": {"MOST_TESTS": "0xFFFFFFFFu", "MOST_WAIST_TESTS": "0xFFFFFFFFu"},
+    "seven tiles lane by lane": {"LANE_BACKOFF": "7"},
     "512 set-ups kept": {"LEAF_SETUP_BITS": "9"},
 }
 

@@ -67,20 +67,25 @@
 
 /*
  * A packet that has been tested in vain against more triangles than this goes on lane by lane. With no limit,
- * reflections of small triangles have a quarter of the speed. If all rays of a bundle begin at one point, a test takes
- * less than half of the work: with 96 for these, too, shadows of dragon have 0.94 of the speed, of doubled and sponza
- * 0.97, and with no limit, those of cruiser 0.52 (Zen 5). The same holds for nearly parallel rays if any hit will do:
- * with 96 for these, suns of clinic have 0.91 to 0.94, of dragon 0.97 to 1.00, of others 0.96 to 1.01.
+ * reflections of small triangles have a quarter of the speed; with 96, rays to a light in dragon 0.78, to a light with
+ * an extent 0.92 to 0.99, through a lens 0.95 to 1.00, to four lights in turns 0.87 to 1.00 (Intel Xeon, AVX-512 and
+ * AVX2). If all rays of a bundle begin at one point, a test takes less than half of the work: with 96 for these, too,
+ * shadows of dragon have 0.94 of the speed, of doubled and sponza 0.97, and with no limit, those of cruiser 0.52 (Zen
+ * 5). The same holds for nearly parallel rays: with 96 for these, suns of clinic have 0.91 to 0.94, of dragon 0.97 to
+ * 1.00, of others 0.96 to 1.01, and a parallel picture of sponza 0.77.
  */
-#define MLRT_MOST_TESTS       96
+#define MLRT_MOST_TESTS       40
 #define MLRT_MOST_WAIST_TESTS 384
 
 /*
- * A tile with more than MOST_GIVEN_UP such packets goes lane by lane as a whole, and so do the next LANE_TILES tiles:
- * 1.3 times the speed for rays through a lens in conference.
+ * A tile with more than MOST_GIVEN_UP such packets goes lane by lane as a whole, 1.3 times the speed for rays through a
+ * lens in conference, and so do the next FIRST_LANE_TILES tiles, as after a tile of which hardly a packet fits a
+ * bundle. After another such tile twice as many and one more do, up to LANE_BACKOFF. With 7 in place of 63 rays through
+ * a lens have 0.88 to 0.97 of the speed, diffuse rays 0.98 to 1.00 (Intel Xeon).
  */
-#define MLRT_MOST_GIVEN_UP 2
-#define MLRT_LANE_TILES    7
+#define MLRT_MOST_GIVEN_UP    2
+#define MLRT_FIRST_LANE_TILES 7
+#define MLRT_LANE_BACKOFF     63
 
 /*
  * A worker keeps 1 << LEAF_SETUP_BITS set-ups of leaves, of 2 KiB each. In calls of fewer than MANY_RAYS rays it keeps

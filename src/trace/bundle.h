@@ -333,7 +333,7 @@ struct mlrt_bundles {
     struct mlrt_backoff open_bundles[2]; /* tiles that begin with open packets */
     struct mlrt_backoff open_tiles;      /* tiles that begin with open cells (levels.h) */
     struct mlrt_backoff open_squares;    /* squares that are traced tile by tile */
-    uint32_t lane_tiles[2];              /* how many of the next tiles go lane by lane */
+    struct mlrt_backoff lane_tiles[2];   /* tiles that go lane by lane as a whole */
     struct mlrt_bundle_cache caches[2];
     struct mlrt_kept_surface surfaces[MLRT_KEPT_SURFACES]; /* that a picture's rays hit, if it has lights */
     struct mlrt_cover_parts parts;

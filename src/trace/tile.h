@@ -229,10 +229,7 @@ static void trace_pass(const struct mlrt_job *job, struct mlrt_worker *worker, s
 {
     traverse_bundle(job, worker, bundle);
     uint32_t rest = 0;
-    if (mlrt_count_bits(bundle->state.given_up) > MLRT_MOST_GIVEN_UP) {
-        worker->bundles->lane_tiles[job->any] = MLRT_LANE_TILES;
-        rest = bundle->state.going;
-    }
+    if (mlrt_count_bits(bundle->state.given_up) > MLRT_MOST_GIVEN_UP) rest = bundle->state.going;
     for (uint32_t left = rest; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         bundle->state.closed &= ~(1u << place);
@@ -310,22 +307,28 @@ static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_wo
     if (bundle->state.set_aside) trace_packets_by_lanes(job, worker, bundle->tile, bundle->state.set_aside);
 }
 
-/* Traces those packets of a tile that fit one bundle. Returns the others, which are to be traced lane by lane. */
+/*
+ * Traces those packets of a tile that fit one bundle. Returns the others, which are to be traced lane by lane. The
+ * attempt is in vain if hardly a packet fits, or if several are given up on the way.
+ */
 static uint32_t trace_as_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
                                 uint32_t places)
 {
-    const uint32_t others = make_bundle(job, worker, places, bundle);
-    const uint32_t closed = bundle->state.closed & places;
-    if (8 * mlrt_count_bits(bundle->state.going) < mlrt_count_bits(others))
-        worker->bundles->lane_tiles[job->any] = MLRT_LANE_TILES;
-    if (!bundle->state.going) return others;
-    trace_going_packets(job, worker, bundle);
-    if (closed) {
-        const uint32_t done = (bundle->state.closed & bundle->state.going) | bundle->state.covered;
-        mlrt_note_attempt(!(done & places), MLRT_READ_BACKOFF, MLRT_TILE_BACKOFF,
-                          &worker->bundles->open_bundles[job->any]);
+    uint32_t others = make_bundle(job, worker, places, bundle);
+    int is_vain = 8 * mlrt_count_bits(bundle->state.going) < mlrt_count_bits(others);
+    if (bundle->state.going) {
+        const uint32_t closed = bundle->state.closed & places;
+        trace_going_packets(job, worker, bundle);
+        others |= bundle->state.set_aside;
+        is_vain |= mlrt_count_bits(bundle->state.given_up) > MLRT_MOST_GIVEN_UP;
+        if (closed) {
+            const uint32_t done = (bundle->state.closed & bundle->state.going) | bundle->state.covered;
+            mlrt_note_attempt(!(done & places), MLRT_READ_BACKOFF, MLRT_TILE_BACKOFF,
+                              &worker->bundles->open_bundles[job->any]);
+        }
     }
-    return others | bundle->state.set_aside;
+    mlrt_note_attempt(is_vain, MLRT_FIRST_LANE_TILES, MLRT_LANE_BACKOFF, &worker->bundles->lane_tiles[job->any]);
+    return others;
 }
 
 /*
@@ -349,8 +352,7 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
     if (job->tree->bvh.node_count == 0) return;
     if (!cells && !(places & (places - 1))) { /* at most one packet */
         others = check_packets_outside(bundle, places);
-    } else if (worker->bundles->lane_tiles[job->any]) {
-        --worker->bundles->lane_tiles[job->any];
+    } else if (mlrt_skips_attempt(&worker->bundles->lane_tiles[job->any])) {
         others = check_packets_outside(bundle, places);
         if (cells) others |= trace_as_bundle(job, worker, bundle, 0);
     } else {
