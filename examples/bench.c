@@ -193,9 +193,10 @@ static int bench_scenes(const struct bench_settings *settings)
 static uint32_t kinds_of(uint32_t words)
 {
     static const uint32_t kinds[] = {
-        1u << FRAME,      1u << LIT,    1u << PRIMARY, 1u << SHADOW,    1u << SUN,  1u << ARRAY | 1u << LIST,
-        1u << PARALLEL,   1u << BOUNCE, 1u << REACH,   1u << MIRROR,    1u << LENS, 1u << ONE_WAY,
-        1u << HEMISPHERE, 1u << RECORD, 1u << SINGLE,  1u << SINGLE_ANY};
+        1u << FRAME,      1u << LIT,       1u << PRIMARY, 1u << SHADOW, 1u << SUN,      1u << ARRAY | 1u << LIST,
+        1u << PARALLEL,   1u << BOUNCE,    1u << REACH,   1u << MIRROR, 1u << LENS,     1u << ONE_WAY,
+        1u << HEMISPHERE, 1u << RECORD,    1u << SAMPLES, 1u << CURVE,  1u << PANORAMA, 1u << AREA,
+        1u << SINGLE,     1u << SINGLE_ANY};
     uint32_t result = 0;
     for (size_t i = 0; i < LENGTH(kinds); i++) result |= words & 1u << i ? kinds[i] : 0;
     return result;
@@ -234,8 +235,8 @@ int main(int argc, char **argv)
         {OPTION_COUNT, "--size", &settings.size, "N", "pixels per side (default: 1024; the study's largest: 8192)", 64,
          16384},
         {OPTION_SET, "--kind", &kind_words,
-         "frame,lit,primary,shadow,sun,array,parallel,bounce,reach,mirror,lens,one-way,hemisphere,record,single,single-"
-         "any",
+         "frame,lit,primary,shadow,sun,array,parallel,bounce,reach,mirror,lens,one-way,hemisphere,record,samples,curve,"
+         "panorama,area,single,single-any",
          "kinds of rays, a list (default: all; some of studies);\nlit is a frame with shadows, after frame also the "
          "difference, "
          "lit-frame",

@@ -41,6 +41,10 @@ KINDS = {
     "one-way": "one-way: occlusion in one direction, records",
     "hemisphere": "hemisphere: 16 rays of occlusion from each hit",
     "record": "record: camera rays, full records",
+    "samples": "samples: four for each pixel, a list",
+    "curve": "curve: camera rays along a Morton curve",
+    "panorama": "panorama: all around, a list",
+    "area": "area: hits to a light with an extent, a list",
     "single": "single: a call per ray",
     "single-any": "single-any: a call per ray, any hit",
 }

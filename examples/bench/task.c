@@ -10,9 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const kind_names[KIND_COUNT + 1] = {
-    "frame", "lit",    "primary", "shadow",  "sun",        "array",  "list",   "parallel",   "bounce",
-    "reach", "mirror", "lens",    "one-way", "hemisphere", "record", "single", "single-any", "lit-frame"};
+const char *const kind_names[KIND_COUNT + 1] = {"frame",   "lit",        "primary",    "shadow",   "sun",    "array",
+                                                "list",    "parallel",   "bounce",     "reach",    "mirror", "lens",
+                                                "one-way", "hemisphere", "record",     "samples",  "curve",  "panorama",
+                                                "area",    "single",     "single-any", "lit-frame"};
 
 enum { WIDTH = 16, BLOCK_SIDE = 4, REGION_SIDE = 64, LARGEST_SPHERE = 9 };
 
@@ -332,10 +333,15 @@ static mlrt_camera parallel_camera(const struct subject *subject)
     return camera;
 }
 
+static int is_reordered(enum kind kind)
+{
+    return kind == SAMPLES || kind == CURVE || kind == PANORAMA;
+}
+
 static int make_camera_arrays(struct task *task)
 {
     task->element_count = task->ray_count = task->subject->pixel_count;
-    task->row_length = task->kind == LIST ? 0 : task->subject->camera.width;
+    task->row_length = task->kind == LIST || is_reordered(task->kind) ? 0 : task->subject->camera.width;
     task->origins = allocate(task->ray_count, sizeof *task->origins);
     task->directions = allocate(task->ray_count, sizeof *task->directions);
     if (!task->origins || !task->directions) return 1;
@@ -343,6 +349,79 @@ static int make_camera_arrays(struct task *task)
     const mlrt_camera parallel = parallel_camera(task->subject);
     const mlrt_camera *camera = task->kind == PARALLEL ? &parallel : &task->subject->camera;
     return has_failed(mlrt_camera_rays(camera, &origins, &directions), "make the camera's rays");
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void normalize(double v[3])
+{
+    const double length = sqrt(dot(v, v));
+    for (int k = 0; k < 3; k++) v[k] /= length > 0 ? length : 1;
+}
+
+// Pixel (x, y) of a camera, which need not be whole numbers.
+static void direction_at(const mlrt_camera *camera, double x, double y, float direction[3])
+{
+    for (int k = 0; k < 3; k++) direction[k] = (float)(camera->d00[k] + x * camera->dx[k] + y * camera->dy[k]);
+}
+
+// The even bits of a number.
+static uint32_t even_bits(uint64_t number)
+{
+    uint32_t bits = 0;
+    for (int i = 0; i < 32; i++) bits |= (uint32_t)(number >> 2 * i & 1) << i;
+    return bits;
+}
+
+static void follow_curve(struct task *task)
+{
+    const mlrt_camera *camera = &task->subject->camera;
+    size_t i = 0;
+    for (uint64_t place = 0; i < task->ray_count; place++) {
+        const uint32_t x = even_bits(place), y = even_bits(place >> 1);
+        if (x < camera->width && y < camera->height) direction_at(camera, x + 0.5, y + 0.5, task->directions[i++]);
+    }
+}
+
+static void take_samples(struct task *task)
+{
+    const mlrt_camera *camera = &task->subject->camera;
+    uint64_t state = 13579;
+    for (size_t i = 0; i < task->ray_count; i++) {
+        const size_t block = i / 4, columns = camera->width / 2;
+        const double x = 2 * (double)(block % columns) + 1 + next_random(&state);
+        direction_at(camera, x, 2 * (double)(block / columns) + 1 + next_random(&state), task->directions[i]);
+    }
+}
+
+static void look_around(struct task *task)
+{
+    const struct view *view = &task->subject->scene.view;
+    const uint32_t width = task->subject->camera.width, height = task->subject->camera.height;
+    const double turn = 6.283185307179586;
+    double up[3], ahead[3], side[3];
+    for (int k = 0; k < 3; k++) up[k] = view->up[k], ahead[k] = view->look[k] - view->eye[k];
+    normalize(up);
+    const double along = dot(up, ahead);
+    for (int k = 0; k < 3; k++) ahead[k] -= along * up[k];
+    normalize(ahead);
+    for (int k = 0; k < 3; k++) side[k] = up[(k + 1) % 3] * ahead[(k + 2) % 3] - up[(k + 2) % 3] * ahead[(k + 1) % 3];
+    for (size_t i = 0; i < task->ray_count; i++) {
+        const double a = turn * ((double)(i % width) + 0.5) / width;
+        const double b = turn / 2 * ((double)(i / width) + 0.5) / height;
+        for (int k = 0; k < 3; k++)
+            task->directions[i][k] = (float)(sin(b) * (cos(a) * ahead[k] + sin(a) * side[k]) + cos(b) * up[k]);
+    }
+}
+
+static int make_reordered_arrays(struct task *task)
+{
+    if (make_camera_arrays(task)) return 1;
+    (task->kind == SAMPLES ? take_samples : task->kind == CURVE ? follow_curve : look_around)(task);
+    return 0;
 }
 
 /* ---- rays of renderers --------------------------------------------------------------------------------------- */
@@ -360,17 +439,6 @@ static double diagonal_of(const struct scene *scene)
     scene_bounds(scene, minimum, maximum);
     for (int k = 0; k < 3; k++) square += ((double)maximum[k] - minimum[k]) * ((double)maximum[k] - minimum[k]);
     return sqrt(square);
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void normalize(double v[3])
-{
-    const double length = sqrt(dot(v, v));
-    for (int k = 0; k < 3; k++) v[k] /= length > 0 ? length : 1;
 }
 
 // The unit normal of a hit, on the side that the ray came from.
@@ -556,6 +624,30 @@ static int make_hemispheres(const mlrt_tree *tree, const struct view_hits *hits,
     return 0;
 }
 
+#define LIGHT_SIZE 0.02 // of the diagonal: half of an edge
+
+static int make_area_rays(const mlrt_tree *tree, const struct view_hits *hits, struct task *task)
+{
+    const size_t n = task->subject->pixel_count;
+    const double size = LIGHT_SIZE * diagonal_of(&task->subject->scene);
+    uint64_t state = 97531;
+    task->origins = allocate(n, sizeof *task->origins), task->directions = allocate(n, sizeof *task->directions);
+    task->t_max = allocate(n, sizeof *task->t_max);
+    if (!task->origins || !task->directions || !task->t_max) return 1;
+    for (size_t i = 0; i < n; i++) {
+        const size_t ray = task->ray_count;
+        if (!place_point(tree, hits, i, task->origins[ray])) continue;
+        for (int k = 0; k < 3; k++) {
+            const double light = task->subject->light[k] + size * next_random(&state);
+            task->directions[ray][k] = (float)(light - task->origins[ray][k]);
+        }
+        task->t_max[ray] = 1;
+        task->ray_count++;
+    }
+    task->element_count = task->ray_count;
+    return 0;
+}
+
 // Off the surface, in a random direction; the first ray of each two is the camera's, or the one of reach.
 static void make_single_record(const struct task *task, const struct view_hits *hits, size_t i, double diagonal,
                                uint64_t *state, struct ray_record *ray)
@@ -608,6 +700,8 @@ static int make_rays_at_hits(const mlrt_tree *tree, const struct view_hits *hits
         return make_lens_rays(hits, task);
     case HEMISPHERE:
         return make_hemispheres(tree, hits, task);
+    case AREA:
+        return make_area_rays(tree, hits, task);
     case SINGLE:
     case SINGLE_ANY:
         return make_single_records(tree, hits, task);
@@ -624,6 +718,7 @@ int make_task(enum kind kind, const struct subject *subject, const mlrt_tree *tr
     task->ray_count = task->element_count = subject->pixel_count;
     if (is_picture(kind)) return 0;
     if (kind == ARRAY || kind == LIST || kind == PARALLEL) return make_camera_arrays(task) || make_stream(task);
+    if (is_reordered(kind)) return make_reordered_arrays(task) || make_stream(task);
     if (kind == RECORD) return make_camera_records(task) || make_stream(task);
     struct view_hits hits = {.t = NULL};
     task->ray_count = 0;

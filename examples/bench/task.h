@@ -26,6 +26,14 @@
  *                cosine-weighted, as long as a tenth of the diagonal; a list: arrays of origins, directions and ends
  *     record *   the camera's rays; distances, weights, numbers of meshes and triangles
  *
+ * Rays in orders that other programs have, in lists whose rows, if they have any, the library is not told:
+ *
+ *     samples    the camera's rays: four at random of each 2x2 pixels, one after the other; numbers and distances
+ *     curve      the camera's rays along a Morton curve; numbers and distances
+ *     panorama   from the camera's place in all directions, by rows around its upward axis; numbers and distances
+ *     area       any-hit: from each hit of the view to a random point of a light, in a cube around the point light as
+ *                wide as 4 % of the diagonal
+ *
  * One call for each ray, in a list of such structs:
  *
  *     single     the camera's ray and that of bounce by turns; numbers and distances
@@ -55,6 +63,10 @@ enum kind {
     ONE_WAY,
     HEMISPHERE,
     RECORD,
+    SAMPLES,
+    CURVE,
+    PANORAMA,
+    AREA,
     SINGLE,
     SINGLE_ANY,
     KIND_COUNT,
@@ -76,7 +88,7 @@ static inline int is_shadow(enum kind kind)
 /* Kinds that ask whether anything is hit, of rays. */
 static inline int is_any(enum kind kind)
 {
-    return kind == REACH || kind == ONE_WAY || kind == HEMISPHERE || kind == SINGLE_ANY;
+    return kind == REACH || kind == ONE_WAY || kind == HEMISPHERE || kind == AREA || kind == SINGLE_ANY;
 }
 
 /* Kinds whose answers are only whether something is hit. */
