@@ -42,7 +42,8 @@ SETTINGS = {
     "wide from 2.5": {"WIDE_FACTOR": "2.5f"},
     "few rays stay": {"MANY_PACKETS": "17"},
     "leaves never asked": {"FEW_LEAF_RAYS": "0"},
-    "tests without end": {"MOST_TESTS": "0xFFFFFFFFu", "MOST_WAIST_TESTS": "0xFFFFFFFFu"},
+    "tests without end": {"MOST_TESTS": "0xFFFFFFFFu", "MOST_WAIST_TESTS": "0xFFFFFFFFu",
+                          "MOST_ANY_TESTS": "0xFFFFFFFFu"},
     "seven tiles lane by lane": {"LANE_BACKOFF": "7"},
     "512 set-ups kept": {"LEAF_SETUP_BITS": "9"},
 }

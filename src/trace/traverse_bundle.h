@@ -237,7 +237,7 @@ static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlr
                                  ? test_bundle_packet(job, worker, bundle, leaf, triangles, place, 1)
                                  : test_bundle_packet(job, worker, bundle, leaf, triangles, place, 0);
     const int is_alike = !bundle->has.intercepts || bundle->waist.is_beam;
-    const uint32_t most = is_alike ? MLRT_MOST_WAIST_TESTS : MLRT_MOST_TESTS;
+    const uint32_t most = is_alike ? MLRT_MOST_WAIST_TESTS : job->any ? MLRT_MOST_ANY_TESTS : MLRT_MOST_TESTS;
     if (changed) update_bundle(bundle, place, changed, job->any);
     if (MLRT_UNLIKELY(bundle->state.tests[place] > most) && bundle->state.going >> place & 1) {
         release_packet(bundle, place);
