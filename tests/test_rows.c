@@ -326,12 +326,47 @@ static void test_answers_stay_the_same(void **state)
     mlrt_destroy_tree(tree);
 }
 
+/* The points of mlrt_occluded_points are looked at, too: as many boxes as with rows, other than as a list. */
+static void test_points_have_rows(void **state)
+{
+    (void)state;
+    static const float corners[3][3] = {{-1, -1, 2}, {1, -1, 2}, {0, 1, 2}};
+    const mlrt_mesh mesh = {.struct_size = sizeof mesh, .vertices = corners, .vertex_count = 3, .triangle_count = 1};
+    const mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT, .position = {0.1f, 0.2f, 3}};
+    const struct view view = {48, 40, 2};
+    static uint8_t occluded[3][48 * 40];
+    uint64_t cells[3];
+    struct list list;
+    mlrt_tree *tree = NULL;
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
+    look(&view, 0, &list);
+    for (int i = 0; i < 3; i++) {
+        mlrt_counters counters = {.struct_size = sizeof counters};
+        const mlrt_trace_options options = {.struct_size = sizeof options, .counters = &counters};
+        const uint32_t row_lengths[3] = {0, view.width, 4};
+        const mlrt_points points = {.struct_size = sizeof points,
+                                    .row_length = row_lengths[i],
+                                    .count = list.count,
+                                    .positions = {list.directions, 0}};
+        const mlrt_array answers = {occluded[i], 0, 0};
+        assert_int_equal(mlrt_occluded_points(tree, &points, &light, &options, &answers), MLRT_OK);
+        cells[i] = counters.cell_count;
+    }
+    assert_memory_equal(occluded[0], occluded[1], sizeof occluded[0]);
+    assert_memory_equal(occluded[0], occluded[2], sizeof occluded[0]);
+    assert_int_equal(cells[0], cells[1]);
+    assert_int_not_equal(cells[0], cells[2]);
+    free_list(&list);
+    mlrt_destroy_tree(tree);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_pictures_have_rows),    cmocka_unit_test(test_other_orders_have_rows),
         cmocka_unit_test(test_other_lists_have_none), cmocka_unit_test(test_pieces_are_no_rows),
         cmocka_unit_test(test_any_numbers_will_do),   cmocka_unit_test(test_answers_stay_the_same),
+        cmocka_unit_test(test_points_have_rows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

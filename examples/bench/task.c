@@ -119,6 +119,12 @@ static uint32_t pixel_at(uint32_t size, size_t place)
     return y * size + x;
 }
 
+// The length of rows of a list that the library has to find by itself, and by which the peer's packets are squares.
+static uint32_t untold_row_length(const struct task *task)
+{
+    return task->kind == PANORAMA || task->kind == AREA ? task->subject->camera.width : 0;
+}
+
 // Where Embree's rays towards the sun begin: their direction is as long as the light is far.
 #define SUN_BEGIN 0.0001f
 
@@ -197,8 +203,9 @@ static int make_stream(struct task *task)
     memcpy(stream->direction, task->sun, sizeof stream->direction);
     stream->t_min = task->kind == SUN ? SUN_BEGIN : 0;
     stream->t_max = task->kind == SHADOW ? SHADOW_END : INFINITY;
+    const uint32_t row_length = task->row_length ? task->row_length : untold_row_length(task);
     for (size_t i = 0; i < task->element_count; i++) {
-        const uint32_t element = task->row_length ? pixel_at(task->row_length, i) : (uint32_t)i;
+        const uint32_t element = row_length ? pixel_at(row_length, i) : (uint32_t)i;
         if (has_ray(task, element)) set(task, stream->count++, element, stream);
     }
     for (size_t i = stream->count; i % WIDTH; i++) set(task, i, stream->elements[stream->count - 1], stream);
@@ -635,16 +642,16 @@ static int make_area_rays(const mlrt_tree *tree, const struct view_hits *hits, s
     task->t_max = allocate(n, sizeof *task->t_max);
     if (!task->origins || !task->directions || !task->t_max) return 1;
     for (size_t i = 0; i < n; i++) {
-        const size_t ray = task->ray_count;
-        if (!place_point(tree, hits, i, task->origins[ray])) continue;
-        for (int k = 0; k < 3; k++) {
-            const double light = task->subject->light[k] + size * next_random(&state);
-            task->directions[ray][k] = (float)(light - task->origins[ray][k]);
-        }
-        task->t_max[ray] = 1;
-        task->ray_count++;
+        float *p = task->origins[i];
+        task->t_max[i] = 1;
+        if (place_point(tree, hits, i, p))
+            task->ray_count++;
+        else
+            p[0] = p[1] = p[2] = NAN;
+        for (int k = 0; k < 3; k++)
+            task->directions[i][k] = (float)(task->subject->light[k] + size * next_random(&state) - p[k]);
     }
-    task->element_count = task->ray_count;
+    task->element_count = n;
     return 0;
 }
 

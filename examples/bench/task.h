@@ -32,7 +32,7 @@
  *     curve      the camera's rays along a Morton curve; numbers and distances
  *     panorama   from the camera's place in all directions, by rows around its upward axis; numbers and distances
  *     area       any-hit: from each hit of the view to a random point of a light, in a cube around the point light as
- *                wide as 4 % of the diagonal
+ *                wide as 4 % of the diagonal; in rows of pixels
  *
  * One call for each ray, in a list of such structs:
  *

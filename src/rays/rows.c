@@ -13,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Lists of fewer rays, or of fewer or shorter rows, remain lists. */
+/* Lists of fewer rays remain lists, and fewer or shorter rows are not looked for. */
 #define FEWEST_RAYS  256
 #define FEWEST_ROWS  4
 #define SHORTEST_ROW 8
