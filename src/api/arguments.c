@@ -95,7 +95,7 @@ static int is_given(const struct mlrt_field *field, const void *arrays)
 static MLRT_NOINLINE int32_t fail_query(const mlrt_hits *hits, int any)
 {
     const size_t first = any ? offsetof(mlrt_hits, t) : offsetof(mlrt_hits, occluded);
-    const struct mlrt_field *field = mlrt_rules_of(MLRT_STRUCT_HITS);
+    const struct mlrt_field *field = mlrt_forms[MLRT_STRUCT_HITS].rules;
     while (field->offset < first || !is_given(field, hits)) ++field;
     return mlrt_fail(MLRT_ERROR_ARGUMENT,
                      any ? "options.query: ANY writes only `occluded`, but `%s` was given"
@@ -117,8 +117,8 @@ int32_t mlrt_check_hits(const char *path, const mlrt_hits *hits, const mlrt_trac
 
 int32_t mlrt_check_lists(const mlrt_hit_lists *lists, int may_be_empty)
 {
-    const struct mlrt_field *field = mlrt_rules_of(MLRT_STRUCT_HIT_LISTS);
-    for (; field->form == MLRT_STRUCT_HIT_LISTS; ++field) {
+    const struct mlrt_field *field = mlrt_forms[MLRT_STRUCT_HIT_LISTS].rules;
+    for (; field->kind != MLRT_FIELD_END; ++field) {
         const int is_per_ray = field->offset >= offsetof(mlrt_hit_lists, total);
         if (!is_given(field, lists)) continue;
         may_be_empty = 1;

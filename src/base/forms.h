@@ -19,7 +19,8 @@ enum {
     MLRT_FIELD_FINITE,  /* `most` floats that are finite */
     MLRT_FIELD_NUMBER,  /* `most` floats that are not NaN */
     MLRT_FIELD_INPUT,   /* an mlrt_const_array of 4-byte words */
-    MLRT_FIELD_OUTPUT   /* an mlrt_array whose elements have `most` bytes */
+    MLRT_FIELD_OUTPUT,  /* an mlrt_array whose elements have `most` bytes */
+    MLRT_FIELD_END      /* none: there are no more rules */
 };
 
 /* A rule. The name is inside, because an address would take three times its place in a shared library. */
@@ -28,13 +29,13 @@ struct mlrt_field {
     uint16_t offset;
     uint16_t most;
     uint8_t kind; /* MLRT_FIELD_* */
-    uint8_t form; /* whose rule it is */
 };
 
 struct mlrt_form {
     uint16_t first_size; /* of the struct, in the first version */
     uint16_t own_size;   /* in this version */
     uint8_t alignment;   /* every size of the struct is a multiple of it */
+    const struct mlrt_field *rules;
 };
 
 /* Forms besides those of structs (MLRT_STRUCT_*). */
@@ -49,11 +50,8 @@ enum {
     MLRT_FORM_COUNT
 };
 
-/* Of structs, and of MLRT_FORM_FRAME. */
+/* By number, MLRT_STRUCT_* or MLRT_FORM_*. */
 extern const struct mlrt_form mlrt_forms[];
-
-/* The first rule of a form. The others follow; what comes behind them is of another form. */
-const struct mlrt_field *mlrt_rules_of(int form);
 
 /* The most lights that a picture may have: its shadows have a byte per pixel, and a light has one bit. */
 #define MLRT_LIGHT_LIMIT 8

@@ -219,10 +219,10 @@ int32_t mlrt_check_fields(int form, const char *path, size_t index, const void *
 {
     const int is_camera = form >= MLRT_FORM_DIRECTION && form <= MLRT_FORM_EYE;
     const int has_rows = form == MLRT_FORM_FRAME || form == MLRT_FORM_VECTORS;
-    const int owner = form == MLRT_FORM_FRAME ? MLRT_STRUCT_HITS : form;
     struct place place = {path, index, "", is_camera ? MLRT_ERROR_CAMERA : MLRT_ERROR_ARGUMENT};
     int32_t status = MLRT_OK;
-    for (const struct mlrt_field *field = mlrt_rules_of(owner); status == MLRT_OK && field->form == owner; ++field) {
+    const struct mlrt_field *field = mlrt_forms[form].rules;
+    for (; status == MLRT_OK && field->kind != MLRT_FIELD_END; ++field) {
         place.field = field->name;
         status = check_field(&place, field, has_rows, (const unsigned char *)own + field->offset);
     }
