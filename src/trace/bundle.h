@@ -320,6 +320,13 @@ static inline void mlrt_note_attempt(int is_vain, uint32_t least, uint32_t longe
     backoff->left = backoff->length;
 }
 
+/* Which of two ways a worker's next tiles go, as bundles or lane by lane: see tile.h. */
+struct mlrt_ways {
+    float gain;                /* of going lane by lane, -1 to 1: above 0, tiles do */
+    uint32_t trials;           /* tiles that went both ways */
+    struct mlrt_backoff trial; /* until the next of these */
+};
+
 /* What hides the cells of a square in part. */
 struct mlrt_cover_parts {
     struct mlrt_backoff lone_squares; /* in which no cell waits for further parts */
@@ -333,7 +340,7 @@ struct mlrt_bundles {
     struct mlrt_backoff open_bundles[2]; /* tiles that begin with open packets */
     struct mlrt_backoff open_tiles;      /* tiles that begin with open cells (levels.h) */
     struct mlrt_backoff open_squares;    /* squares that are traced tile by tile */
-    struct mlrt_backoff lane_tiles[2];   /* tiles that go lane by lane as a whole */
+    struct mlrt_ways ways[2];
     struct mlrt_bundle_cache caches[2];
     struct mlrt_kept_surface surfaces[MLRT_KEPT_SURFACES]; /* that a picture's rays hit, if it has lights */
     struct mlrt_cover_parts parts;

@@ -191,11 +191,11 @@ MLRT_INLINE uint32_t boxes_of_lanes(const struct lanes_search *search, const str
 }
 
 /*
- * Returns those of `lanes` that may meet a box. Sets *near to the least t where one enters it; with `any`, to minus the
- * longest distance of a lane in it.
+ * Returns those of `lanes` that may meet a box. Sets *near to the least t where one enters it; with `any`, to minus
+ * their number. If `agree` is 1, the signs of all directions agree along each axis.
  */
 MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struct mlrt_packet *packet,
-                                  const struct mlrt_bvh_node *node, uint32_t place, uint32_t lanes, int any,
+                                  const struct mlrt_bvh_node *node, uint32_t place, uint32_t lanes, int any, int agree,
                                   float *near)
 {
     enum { VECTORS = MLRT_PACKET_RAYS / VW };
@@ -208,12 +208,15 @@ MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struc
     }
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        const vf lo = v_set1(node->lo[k][place]), hi = v_set1(node->hi[k][place]);
+        const int is_down = agree && search->hull.direction_hi[k] < 0;
+        const vf lo = v_set1((is_down ? node->hi : node->lo)[k][place]);
+        const vf hi = v_set1((is_down ? node->lo : node->hi)[k][place]);
         MLRT_UNROLL
         for (int i = 0; i < VECTORS; ++i) {
             const vf origin = v_load(packet->origin[k] + i * VW), near_factor = v_load(search->slabs.near[k] + i * VW);
             const vm down = v_gt(near_factor, v_set1(0)); /* d_k < 0 */
-            const vf x = v_sub(origin, v_select(down, hi, lo)), y = v_sub(origin, v_select(down, lo, hi));
+            const vf x = v_sub(origin, agree ? lo : v_select(down, hi, lo));
+            const vf y = v_sub(origin, agree ? hi : v_select(down, lo, hi));
             first[i] = v_max(v_mul(x, near_factor), first[i]);
             last[i] = v_min(v_mul(y, v_load(search->slabs.far[k] + i * VW)), last[i]);
         }
@@ -221,10 +224,10 @@ MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struc
     MLRT_UNROLL
     for (int i = 0; i < VECTORS; ++i) {
         const vm hit = m_and(m_from_bits(lanes >> i * VW), v_le(first[i], last[i]));
-        nearest = v_min(v_select(hit, any ? v_sub(first[i], last[i]) : first[i], v_set1(INFINITY)), nearest);
+        if (!any) nearest = v_min(v_select(hit, first[i], v_set1(INFINITY)), nearest);
         met |= m_bits(hit) << i * VW;
     }
-    *near = v_hmin(nearest);
+    *near = any ? -(float)mlrt_count_bits(met) : v_hmin(nearest);
     return met;
 }
 
@@ -235,17 +238,26 @@ struct boxes_met {
 };
 
 /* Tests each of `boxes` against all lanes at once. Returns the boxes that a lane may meet. */
-MLRT_INLINE uint32_t meet_by_boxes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t boxes,
-                                   uint32_t lanes, int any, const struct lanes_search *search, struct boxes_met *of)
+MLRT_INLINE uint32_t meet_each_box(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t boxes,
+                                   uint32_t lanes, int any, int agree, const struct lanes_search *search,
+                                   struct boxes_met *of)
 {
     uint32_t met = 0;
     for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) v_store(of->near + v, v_set1(0));
     for (; boxes; boxes &= boxes - 1) {
         const uint32_t place = mlrt_lowest_bit(boxes);
-        of->lanes_of[place] = lanes_in_box(search, packet, node, place, lanes, any, &of->near[place]);
+        of->lanes_of[place] = lanes_in_box(search, packet, node, place, lanes, any, agree, &of->near[place]);
         met |= (uint32_t)(of->lanes_of[place] != 0) << place;
     }
     return met;
+}
+
+MLRT_INLINE uint32_t meet_by_boxes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t boxes,
+                                   uint32_t lanes, int any, const struct lanes_search *search, struct boxes_met *of)
+{
+    const int *agree = search->hull.agree;
+    return agree[0] & agree[1] & agree[2] ? meet_each_box(packet, node, boxes, lanes, any, 1, search, of)
+                                          : meet_each_box(packet, node, boxes, lanes, any, 0, search, of);
 }
 
 /*
@@ -363,7 +375,7 @@ MLRT_INLINE void push_several(const struct mlrt_bvh_node *node, const struct box
 
 /*
  * Puts the children of a node that lanes may meet on the stack, the nearest on top. Where any hit will do, leaves are
- * on top, then the boxes in which a lane is longest.
+ * on top, then the boxes that many lanes meet, or in which a lane is longest, whichever was found on the way.
  */
 MLRT_INLINE void push_lanes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t lanes, int any,
                             struct lanes_search *search)

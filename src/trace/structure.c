@@ -65,7 +65,7 @@ static size_t lay_out(const struct mlrt_job *job, unsigned char *memory, struct 
             cache->leaves = leaves;
             if (is_kept[any]) leaves += (size_t)1 << bits;
             bundles->open_bundles[any] = none;
-            bundles->lane_tiles[any] = none;
+            bundles->ways[any] = (struct mlrt_ways){.trial = {.left = MLRT_FIRST_TRIAL}};
         }
         for (int i = 0; job->light_count && i < MLRT_KEPT_SURFACES; ++i) bundles->surfaces[i].light = NULL;
         bundles->open_tiles = (struct mlrt_backoff){.left = MLRT_FIRST_OPEN_TILES};

@@ -11,6 +11,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/progress.h"
 #include "rays/check_packet.h"
 #include "simd/simd.h"
 #include "simd/sixteen.h"
@@ -308,27 +309,62 @@ static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_wo
 }
 
 /*
+ * Sets how the next tiles go. `gain` is what lanes would gain; but after a bundle in vain lanes get a chance. The next
+ * trial is the later, the more of them agree.
+ */
+static void set_way(float gain, int is_vain, struct mlrt_ways *ways)
+{
+    const int were_lanes = ways->gain > 0;
+    ways->gain = is_vain && !(gain > 0) ? MLRT_GAIN_IN_VAIN : gain;
+    if ((ways->gain > 0) != were_lanes) ways->trial.length = 0;
+    mlrt_note_attempt(1, MLRT_FIRST_TRIAL, MLRT_LAST_TRIAL, &ways->trial);
+}
+
+/*
  * Traces those packets of a tile that fit one bundle. Returns the others, which are to be traced lane by lane. The
- * attempt is in vain if hardly a packet fits, or if several are given up on the way.
+ * attempt is in vain if hardly a packet fits, or if several are given up on the way: then *is_vain is set to 1.
  */
 static uint32_t trace_as_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
-                                uint32_t places)
+                                uint32_t places, int *is_vain)
 {
     uint32_t others = make_bundle(job, worker, places, bundle);
-    int is_vain = 8 * mlrt_count_bits(bundle->state.going) < mlrt_count_bits(others);
+    *is_vain |= 8 * mlrt_count_bits(bundle->state.going) < mlrt_count_bits(others);
     if (bundle->state.going) {
         const uint32_t closed = bundle->state.closed & places;
         trace_going_packets(job, worker, bundle);
         others |= bundle->state.set_aside;
-        is_vain |= mlrt_count_bits(bundle->state.given_up) > MLRT_MOST_GIVEN_UP;
+        *is_vain |= mlrt_count_bits(bundle->state.given_up) > MLRT_MOST_GIVEN_UP;
         if (closed) {
             const uint32_t done = (bundle->state.closed & bundle->state.going) | bundle->state.covered;
             mlrt_note_attempt(!(done & places), MLRT_READ_BACKOFF, MLRT_TILE_BACKOFF,
                               &worker->bundles->open_bundles[job->any]);
         }
     }
-    mlrt_note_attempt(is_vain, MLRT_FIRST_LANE_TILES, MLRT_LANE_BACKOFF, &worker->bundles->lane_tiles[job->any]);
     return others;
+}
+
+/*
+ * Traces a tile both ways, one packet lane by lane and the others as a bundle, and compares what a packet took. The
+ * packet is another one in each trial. While tiles go as bundles, the mean of the last trials counts, since one packet
+ * is not all; a trial while they go lane by lane has a whole tile behind it, and counts alone.
+ */
+static void trace_both_ways(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
+                            uint32_t places, struct mlrt_ways *ways)
+{
+    const uint32_t count = mlrt_count_bits(places);
+    uint32_t alone = places;
+    for (uint32_t i = ways->trials++ % count; i > 0; --i) alone &= alone - 1;
+    alone &= 0u - alone;
+    int is_vain = 0;
+    const double begin = mlrt_seconds_now();
+    const uint32_t others = trace_as_bundle(job, worker, bundle, places & ~alone, &is_vain);
+    trace_packets_by_lanes(job, worker, bundle->tile, others);
+    const double middle = mlrt_seconds_now();
+    trace_packets_by_lanes(job, worker, bundle->tile, check_packets_outside(bundle, alone));
+    const double end = mlrt_seconds_now();
+    const double together = middle - begin, lanes = (count - 1) * (end - middle), both = together + lanes;
+    const float gain = both > 0 ? (float)((together - lanes) / both) : 0;
+    set_way(ways->gain > 0 ? gain : ways->gain + MLRT_GAIN_WEIGHT * (gain - ways->gain), is_vain, ways);
 }
 
 /*
@@ -340,7 +376,9 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
 {
     struct mlrt_ray_tile *tile = bundle->tile;
     const uint32_t cells = bundle->state.closed;
+    struct mlrt_ways *ways = &worker->bundles->ways[job->any];
     uint32_t others = 0;
+    int is_vain = 0;
     bundle->scene.unit = job->tree->bvh.unit;
     bundle->scene.reach = job->tree->bvh.reach;
     for (uint32_t left = places; left; left &= left - 1) {
@@ -352,11 +390,14 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
     if (job->tree->bvh.node_count == 0) return;
     if (!cells && !(places & (places - 1))) { /* at most one packet */
         others = check_packets_outside(bundle, places);
-    } else if (mlrt_skips_attempt(&worker->bundles->lane_tiles[job->any])) {
+    } else if (!mlrt_skips_attempt(&ways->trial) && !cells && mlrt_count_bits(places) >= MLRT_TRIAL_PACKETS) {
+        trace_both_ways(job, worker, bundle, places, ways);
+    } else if (ways->gain > 0) {
         others = check_packets_outside(bundle, places);
-        if (cells) others |= trace_as_bundle(job, worker, bundle, 0);
+        if (cells) others |= trace_as_bundle(job, worker, bundle, 0, &is_vain);
     } else {
-        others = trace_as_bundle(job, worker, bundle, places);
+        others = trace_as_bundle(job, worker, bundle, places, &is_vain);
+        if (is_vain) set_way(ways->gain, 1, ways);
     }
     trace_packets_by_lanes(job, worker, tile, others);
 }
