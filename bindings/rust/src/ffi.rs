@@ -591,8 +591,9 @@ impl Default for mlrt_pool_options {
 /// ```text
 /// Counts of the work of tracing. Those of the kd-tree are in units of 4x4 packets, as the columns of the paper's table
 /// 2. Counts are added to those in the struct, so that one struct can collect several calls, one at a time; those that
-/// the library does not know stay. They can differ between methods and machines. Counting takes time: with counters, the
-/// kernels of the narrowest instruction set run (MLRT_ISA_*).
+/// the library does not know stay. They can differ between methods, machines, and calls, since method tile goes the way
+/// that was faster for the last rays. Counting takes time: with counters, the kernels of the narrowest instruction set
+/// run (MLRT_ISA_*).
 ///
 /// Method tile traces sixteen packets, or sixteen tiles of them, together. So up to 256 or 4096 rays share a cell or a
 /// test, and its counts cannot be compared with those of the kd-tree. It has no beams and no entry points: their
