@@ -126,6 +126,7 @@ extern "C" {
 #define mlrt_load_tree                MLRT_RENAMED(load_tree)
 #define mlrt_occluded_points          MLRT_RENAMED(occluded_points)
 #define mlrt_offset_point             MLRT_RENAMED(offset_point)
+#define mlrt_pool_thread_count        MLRT_RENAMED(pool_thread_count)
 #define mlrt_render_tiles             MLRT_RENAMED(render_tiles)
 #define mlrt_save_tree                MLRT_RENAMED(save_tree)
 #define mlrt_shadow_ray               MLRT_RENAMED(shadow_ray)
@@ -579,6 +580,12 @@ typedef struct mlrt_pool_options {
  */
 MLRT_API int32_t mlrt_create_pool_with_options(const mlrt_pool_options *options, mlrt_pool **pool);
 
+/*
+ * The thread_count of a pool; where that was 0, the threads that there are. Workers of a call (mlrt_tile.worker) have
+ * numbers below it. NULL is no pool, so the calling thread alone: 1. From any thread, also in callbacks.
+ */
+MLRT_API uint32_t mlrt_pool_thread_count(const mlrt_pool *pool);
+
 /* Ends the threads and frees the pool. No call may be using it. NULL is allowed. */
 MLRT_API void mlrt_destroy_pool(mlrt_pool *pool);
 
@@ -945,7 +952,7 @@ typedef struct mlrt_camera {
  */
 typedef struct mlrt_tile {
     uint32_t struct_size;     /* sizeof(mlrt_tile), the library's */
-    uint32_t worker;          /* number of the worker, below the pool's thread_count; 0 is the thread of the call */
+    uint32_t worker;          /* number of the worker, below mlrt_pool_thread_count; 0 is the thread of the call */
     uint32_t x;               /* the column of its first pixel */
     uint32_t y;               /* the row of its first pixel */
     uint32_t width;           /* in pixels */

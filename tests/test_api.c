@@ -664,6 +664,18 @@ static void pool_errors(void **state)
     assert_int_equal(mlrt_create_pool(2, NULL), MLRT_ERROR_ARGUMENT);
 }
 
+static void pools_know_their_threads(void **state)
+{
+    (void)state;
+    assert_int_equal(mlrt_pool_thread_count(NULL), 1);
+    for (uint32_t count = 0; count < 4; count++) {
+        mlrt_pool *pool;
+        assert_int_equal(mlrt_create_pool(count, &pool), MLRT_OK);
+        assert_int_equal(mlrt_pool_thread_count(pool), count ? count : (uint32_t)sysconf(_SC_NPROCESSORS_ONLN));
+        mlrt_destroy_pool(pool);
+    }
+}
+
 static void destroying_null_does_nothing(void **state)
 {
     (void)state;
@@ -2298,6 +2310,7 @@ int main(void)
         cmocka_unit_test(the_same_input_gives_the_same_tree),
         cmocka_unit_test(tree_info_errors),
         cmocka_unit_test(pool_errors),
+        cmocka_unit_test(pools_know_their_threads),
         cmocka_unit_test(destroying_null_does_nothing),
         cmocka_unit_test(tracing_without_arguments),
         cmocka_unit_test(tracing_without_origins_or_directions),

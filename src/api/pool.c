@@ -33,6 +33,11 @@ MLRT_API int32_t mlrt_create_pool(uint32_t thread_count, mlrt_pool **pool)
     return create_pool("", &options, pool);
 }
 
+MLRT_API uint32_t mlrt_pool_thread_count(const mlrt_pool *pool)
+{
+    return mlrt_worker_count(pool);
+}
+
 MLRT_API void mlrt_destroy_pool(mlrt_pool *pool)
 {
     if (pool) mlrt_end_pool(pool);

@@ -1003,7 +1003,7 @@ impl Default for mlrt_camera {
 pub struct mlrt_tile {
     /// sizeof(mlrt_tile), the library's
     pub struct_size: u32,
-    /// number of the worker, below the pool's thread_count; 0 is the thread of the call
+    /// number of the worker, below mlrt_pool_thread_count; 0 is the thread of the call
     pub worker: u32,
     /// the column of its first pixel
     pub x: u32,
@@ -1223,6 +1223,12 @@ extern "C" {
     /// calls may use such a pool at once, without waiting for each other. (E. Catto's Box2D 3 has hooks like these.)
     /// ```
     pub fn mlrt_create_pool_with_options(options: *const mlrt_pool_options, pool: *mut *mut mlrt_pool) -> i32;
+
+    /// ```text
+    /// The thread_count of a pool; where that was 0, the threads that there are. Workers of a call (mlrt_tile.worker) have
+    /// numbers below it. NULL is no pool, so the calling thread alone: 1. From any thread, also in callbacks.
+    /// ```
+    pub fn mlrt_pool_thread_count(pool: *const mlrt_pool) -> u32;
 
     /// Ends the threads and frees the pool. No call may be using it. NULL is allowed.
     pub fn mlrt_destroy_pool(pool: *mut mlrt_pool);
