@@ -6,8 +6,8 @@
 #include "support.h"
 
 #define INPUT_LIMIT 32
-#define CLIMB_COUNT 8
-#define STEP_COUNT  12000
+#define CLIMB_COUNT 5
+#define STEP_COUNT  (SANITIZED ? 3000 : 12000)
 
 /*
  * `attack` returns the error over the bound, or less than 0 if the input is none that it is about. The inputs in the

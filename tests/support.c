@@ -746,7 +746,7 @@ size_t variant_count(void)
 
 size_t variant_step(void)
 {
-    return SANITIZED ? 3 : 1;
+    return SANITIZED ? 5 : 1;
 }
 
 size_t first_variant(void)

@@ -151,7 +151,7 @@ struct variant {
 size_t variant_count(void);
 /*
  * A check that is called often begins at first_variant() and goes on by variant_step(): it takes all variants, or in a
- * build with sanitizers a third of them, in turn.
+ * build with sanitizers a fifth of them, in turn.
  */
 size_t first_variant(void);
 size_t variant_step(void);

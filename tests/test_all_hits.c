@@ -73,8 +73,8 @@ static void every_hard_scene(void **state)
         struct random random = {1000 + i};
         struct ray_list list = {0};
         for (int part = 0; part < 3; part++)
-            add_hostile_rays(&list, &random, &fixture, draw_hostile_kind(&random), scaled(16));
-        if (list.count > scaled(300)) list.count = scaled(300);
+            add_hostile_rays(&list, &random, &fixture, draw_hostile_kind(&random), scaled(10));
+        if (list.count > scaled(160)) list.count = scaled(160);
         check_at_every_capacity(&fixture, &list);
         free_rays(&list);
         free_fixture(&fixture);
@@ -92,7 +92,7 @@ static void every_kind_of_ray(void **state)
     struct fixture fixture = fixture_of_soup("soup and sheets", 2, &soup);
     for (size_t kind = 0; kind < hostile_kind_count(); kind++) {
         struct ray_list list = {0};
-        add_hostile_rays(&list, &random, &fixture, kind, scaled(200));
+        add_hostile_rays(&list, &random, &fixture, kind, scaled(100));
         check_at_every_capacity(&fixture, &list);
         free_rays(&list);
     }
@@ -107,7 +107,7 @@ static void the_first_of_all_is_the_closest(void **state)
     struct ray_list list = {0};
     soup_add_random(&soup, &random, 300, 1, 0.5f);
     struct fixture fixture = fixture_of_soup("random", 3, &soup);
-    add_mixed_rays(&list, &random, &fixture, scaled(1200), -2, 2);
+    add_mixed_rays(&list, &random, &fixture, scaled(600), -2, 2);
     struct list_element *elements = allocate_or_fail(list.count, sizeof *elements);
     struct list_totals *totals = allocate_or_fail(list.count, sizeof *totals);
     struct reference_hit *closest = allocate_or_fail(list.count, sizeof *closest);

@@ -184,7 +184,7 @@ static void trace_arrays(const struct fixture *fixture, const struct ray_list *l
                       .t_min = input_of(&t_min),
                       .t_max = input_of(&t_max),
                       .skip = input_of(&skip)};
-    for (size_t v = 0; v < variant_count(); v++) {
+    for (size_t v = first_variant(); v < variant_count(); v += variant_step()) {
         if (!variant_at(v)->probe) continue;
         trace_closest(fixture, &rays, variant_at(v), gap, expected);
         trace_any(fixture, &rays, variant_at(v), gap, expected);
@@ -262,7 +262,7 @@ static void ranges_of_one_origin(void **state)
         mlrt_rays rays = public_rays(&list);
         if (!(given & 1)) rays.t_min.data = NULL;
         if (!(given & 2)) rays.t_max.data = NULL;
-        for (size_t v = 0; v < variant_count(); v++) {
+        for (size_t v = first_variant(); v < variant_count(); v += variant_step()) {
             mlrt_trace_options options = variant_at(v)->options;
             const mlrt_tree *tree = variant_tree(variant_at(v), &fixture);
             mlrt_hits hits = public_hits(got, 0);
@@ -301,7 +301,7 @@ static void trace_points(const struct fixture *fixture, const struct ray_list *l
                                 .count = count,
                                 .positions = input_of(&positions),
                                 .skip = input_of(&skip)};
-    for (size_t v = 0; v < variant_count(); v++) {
+    for (size_t v = first_variant(); v < variant_count(); v += variant_step()) {
         const struct variant *variant = variant_at(v);
         if (!variant->probe) continue;
         struct array output = make_array(count, 1, gap);
@@ -377,7 +377,7 @@ static void check_frame(const struct fixture *fixture, const mlrt_camera *camera
     add_camera_rays(&list, camera);
     struct reference_hit *expected = allocate_or_fail(list.count, sizeof *expected);
     trace_reference(fixture, &list, expected);
-    for (size_t v = 0; v < variant_count(); v++) {
+    for (size_t v = first_variant(); v < variant_count(); v += variant_step()) {
         const struct variant *variant = variant_at(v);
         if (!variant->probe) continue;
         for (size_t gap = 0; gap <= 4; gap += 4) {
@@ -501,7 +501,7 @@ static void trace_to_structs(const struct fixture *fixture, const struct ray_lis
     trace_reference(fixture, list, expected);
     mlrt_rays rays = public_rays(list);
     rays.row_length = row_length;
-    for (size_t v = 0; v < variant_count(); v++) {
+    for (size_t v = first_variant(); v < variant_count(); v += variant_step()) {
         const struct variant *variant = variant_at(v);
         for (size_t l = 0; variant->probe && l < sizeof layouts / sizeof layouts[0]; l++) {
             struct structs structs = make_structs(&layouts[l], list->count, list->count, 0);
@@ -543,7 +543,7 @@ static void frames_in_structs(void **state)
     add_camera_rays(&list, &camera);
     struct reference_hit *expected = allocate_or_fail(list.count, sizeof *expected);
     trace_reference(&fixture, &list, expected);
-    for (size_t v = 0; v < variant_count(); v++) {
+    for (size_t v = first_variant(); v < variant_count(); v += variant_step()) {
         const struct variant *variant = variant_at(v);
         for (size_t l = 0; variant->probe && l < sizeof layouts / sizeof layouts[0]; l++) {
             struct structs structs = make_structs(&layouts[l], list.count, camera.width, l % 3);

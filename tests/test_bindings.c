@@ -50,6 +50,7 @@ static void every_way_of_tracing_agrees(void **state)
     struct fixture fixture;
     struct ray_list list = {0};
     make_scene_fixture(&fixture, &list);
+    list.count = scaled(list.count);
     check_rays(&fixture, &list);
     free_rays(&list);
     free_fixture(&fixture);

@@ -1500,7 +1500,7 @@ static void the_clip_margin_holds(void **state)
 static void products_that_underflow_decide_nothing(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < scaled(24 * search_effort); ++seed) {
+    for (uint64_t seed = 0; seed < scaled(14 * search_effort); ++seed) {
         struct random random = {seed * 0x10001 + 5};
         struct soup soup = {0};
         struct ray_list list = {.row_length = 16};
@@ -1536,7 +1536,7 @@ static void rays_may_begin_and_end_in_a_split_plane(void **state)
     const mlrt_kdtree_options build = {
         .struct_size = sizeof build, .preset = MLRT_KDTREE_PAPER, .intersection_cost = 100, .traversal_cost = 0.01f};
     (void)state;
-    for (uint64_t seed = 0; seed < scaled(40 * search_effort); ++seed) {
+    for (uint64_t seed = 0; seed < scaled(24 * search_effort); ++seed) {
         struct random random = {seed * 0x10001 + 9};
         struct soup soup = {0};
         struct ray_list list = {.row_length = 16};

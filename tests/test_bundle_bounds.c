@@ -111,7 +111,7 @@ static void depths_of_few_rays_may_underflow(void **state)
 {
     static const float ways[3][2] = {{0, 1}, {0, -1}, {1, 0}};
     (void)state;
-    for (uint64_t seed = 0; seed < scaled(14); seed++) {
+    for (uint64_t seed = 0; seed < scaled(8); seed++) {
         struct random random = {seed * 0x10001 + 7};
         struct soup soup = {0};
         struct ray_list list = {0};
@@ -166,7 +166,7 @@ static void places_may_underflow(void **state)
 static void reciprocals_may_overflow(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < scaled(8); seed++) {
+    for (uint64_t seed = 0; seed < scaled(5); seed++) {
         struct random random = {seed * 0x10001 + 3};
         struct soup soup = {0};
         struct ray_list list = {0};
@@ -1503,7 +1503,7 @@ static void bounds_of_ends_hold(void **state)
 {
     static const struct bound ends = {"cells: ends", INPUT_COUNT_OF_ENDS, 0, attack_ends, 0.5, NULL};
     (void)state;
-    attack_bound(&ends, draw_ends, 20, STEP_COUNT);
+    attack_bound(&ends, draw_ends, 12, STEP_COUNT);
 }
 
 static void bounds_of_lines_hold(void **state)
@@ -1513,7 +1513,7 @@ static void bounds_of_lines_hold(void **state)
         {"from the waist: line of two planes", INPUT_COUNT_OF_PAIR, DIRECTION_IS_SAFE, attack_apex_line, 0.2, NULL},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) attack_bound(&bounds[i], draw_pair, 10, STEP_COUNT);
+    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) attack_bound(&bounds[i], draw_pair, 6, STEP_COUNT);
 }
 
 static void bounds_in_double_hold(void **state)
@@ -1523,7 +1523,7 @@ static void bounds_in_double_hold(void **state)
         {"close calls: N - t D", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_apart, 0.5, NULL},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) attack_bound(&bounds[i], draw_bundle, 10, STEP_COUNT);
+    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) attack_bound(&bounds[i], draw_bundle, 6, STEP_COUNT);
 }
 
 static void bounds_of_bundles_hold(void **state)
@@ -1542,7 +1542,7 @@ static void bounds_of_bundles_hold(void **state)
         {"bundles: covers", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_cover, 0.1, NULL},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) attack_bound(&bounds[i], draw_bundle, 10, STEP_COUNT);
+    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) attack_bound(&bounds[i], draw_bundle, 6, STEP_COUNT);
 }
 
 /* Rays that all begin at the waist: no intercepts, and a triangle's terms have the sign of N there. */
@@ -1559,14 +1559,14 @@ static void bounds_from_the_waist_hold(void **state)
         {"from the waist: covers", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_apex_cover, 0.1, NULL},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) attack_bound(&bounds[i], draw_bundle, 10, STEP_COUNT);
+    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) attack_bound(&bounds[i], draw_bundle, 6, STEP_COUNT);
 }
 
 static void depths_hold(void **state)
 {
     static const struct bound depths = {"bundles: depths", 5, 1u << 2, attack_depths, 0.1, NULL};
     (void)state;
-    attack_bound(&depths, draw_depths, 20, STEP_COUNT);
+    attack_bound(&depths, draw_depths, 12, STEP_COUNT);
 }
 
 int main(int argc, char **argv)

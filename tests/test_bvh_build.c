@@ -287,8 +287,8 @@ static struct soup large_soup(void)
 {
     struct random random = {7};
     struct soup soup = {0};
-    soup_add_random(&soup, &random, scaled(60000), 1, 0.01f);
-    soup_add_random(&soup, &random, scaled(2000), 1, 0.3f);
+    soup_add_random(&soup, &random, scaled(30000), 1, 0.01f);
+    soup_add_random(&soup, &random, scaled(1000), 1, 0.3f);
     soup_add_icosphere(&soup, 4, 0.7f);
     soup_add_grid(&soup, 1, 0.25f, 20);
     return soup;

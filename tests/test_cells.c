@@ -390,7 +390,7 @@ static void hostile_pictures(void **state)
         check_hostile_picture(only_seed);
         return;
     }
-    for (uint64_t seed = 1; seed <= scaled(600 * effort); seed++) check_hostile_picture(seed);
+    for (uint64_t seed = 1; seed <= scaled(360 * effort); seed++) check_hostile_picture(seed);
 }
 
 /* ---- single cases ------------------------------------------------------------------------------------------------ */
@@ -434,7 +434,7 @@ static void short_directions(void **state)
 static void denormal_slopes(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < scaled(400 * effort); seed++) {
+    for (uint64_t seed = 0; seed < scaled(240 * effort); seed++) {
         struct random random = {seed * 0x10001 + 3};
         struct soup soup = {0};
         const float depth = ldexpf(draw_range(&random, 1, 2), 58);
@@ -469,7 +469,7 @@ static void tiles_given_up_with_tiny_components(void **state)
 {
     (void)state;
     const float corner[3] = {-100, -100, 10}, side[3] = {200, 0, 0.5f}, other[3] = {0, 200, 0};
-    for (uint64_t seed = 1; seed <= scaled(64 * effort); seed++) {
+    for (uint64_t seed = 1; seed <= scaled(40 * effort); seed++) {
         struct random random = {seed * 0x10001 + 5};
         struct soup soup = {0};
         const uint32_t count = 150 + draw_below(&random, 600), rows = 6 + draw_below(&random, 6);

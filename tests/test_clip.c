@@ -2,18 +2,14 @@
 /*
  * Clipped bounds against clipping in rational numbers: no point of a triangle may be outside of them.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
-#include <cmocka.h>
 #include <gmp.h>
 #include <math.h>
 
 #include "scene/clip.h"
+#include "support.h"
 
 /* ---- random cases -------------------------------------------------------------------------------------------- */
 
@@ -204,9 +200,9 @@ static void check_case(enum kind kind, uint64_t start)
     }
 }
 
-static void check_kind(enum kind kind, int case_count)
+static void check_kind(enum kind kind, size_t case_count)
 {
-    for (int i = 0; i < case_count; i++) check_case(kind, (uint64_t)i * 1000003);
+    for (size_t i = 0; i < scaled(case_count); i++) check_case(kind, (uint64_t)i * 1000003);
 }
 
 static void test_no_point_is_lost_on_a_grid(void **state)

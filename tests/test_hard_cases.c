@@ -61,7 +61,7 @@ static void an_edge_shared_by_two_triangles(void **state)
     soup_add_triangle(&soup, p[0], p[1], p[2]);
     soup_add_triangle(&soup, p[0], p[1], p[3]); // the other winding along the edge
     struct fixture fixture = fixture_of_soup("shared edge", 1, &soup);
-    for (size_t i = 0; i < scaled(2000); i++) {
+    for (size_t i = 0; i < scaled(1000); i++) {
         float origin[3], target[3], t = draw_range(&random, 0, 1);
         draw_point(&random, -3, 3, origin);
         for (int k = 0; k < 3; k++) target[k] = p[0][k] + t * (p[1][k] - p[0][k]);
@@ -90,7 +90,7 @@ static void a_vertex_of_a_fan(void **state)
         }
         for (int i = 0; i < blades; i++) soup_add_triangle(&soup, centre, rim[i], rim[(i + 1) % blades]);
         struct fixture fixture = fixture_of_soup("fan", 2, &soup);
-        for (size_t i = 0; i < scaled(200); i++) {
+        for (size_t i = 0; i < scaled(100); i++) {
             float origin[3] = {(float)draw_below(&random, 9) - 4, (float)draw_below(&random, 9) - 4, 20};
             add_ray_towards(&list, origin, centre);
         }
@@ -131,13 +131,13 @@ static void needles_that_share_edges(void **state)
         soup_add_triangle(&soup, b, d, c);
     }
     struct fixture fixture = fixture_of_soup("strip of needles", 4, &soup);
-    for (size_t i = 0; i < scaled(1500); i++) {
+    for (size_t i = 0; i < scaled(750); i++) {
         const float target[3] = {draw_range(&random, 0.01f, 0.99f), draw_range(&random, 1e-6f, 9.9e-5f), 0};
         const float origin[3] = {target[0], target[1], draw_range(&random, 0.5f, 2)};
         add_ray_towards(&list, origin, target);
     }
     assert_all_hit(&fixture, &list);
-    add_aimed_rays(&list, &random, &fixture, scaled(500), -1, 1);
+    add_aimed_rays(&list, &random, &fixture, scaled(250), -1, 1);
     finish(&fixture, &list);
 }
 
@@ -151,7 +151,7 @@ static void grazing_rays_at_skinny_triangles(void **state)
     struct ray_list list = {0};
     soup_add_triangle(&soup, a, b, c);
     struct fixture fixture = fixture_of_soup("grazing", 5, &soup);
-    for (size_t i = 0; i < scaled(1500); i++) {
+    for (size_t i = 0; i < scaled(750); i++) {
         const float origin[3] = {-50, 0, draw_range(&random, -0.5f, 0.5f)};
         const float target[3] = {draw_range(&random, 0, 500), draw_range(&random, -0.001f, 0.001f), 0};
         add_ray_towards(&list, origin, target);
@@ -171,7 +171,7 @@ static void short_segments_far_before_a_triangle(void **state)
     struct ray_list list = {0};
     soup_add_random(&soup, &random, 50, 1, 1);
     struct fixture fixture = fixture_of_soup("short segments", 6, &soup);
-    add_aimed_rays(&list, &random, &fixture, scaled(1000), -1e4f, 1e4f);
+    add_aimed_rays(&list, &random, &fixture, scaled(500), -1e4f, 1e4f);
     for (size_t i = 0; i < list.count; i++) list.rays[i].t_max = draw_range(&random, 0, 1.001f);
     finish(&fixture, &list);
 }
@@ -206,7 +206,7 @@ static void coplanar_rays(void **state)
     struct ray_list list = {0};
     soup_add_grid(&soup, 2, 1, 6);
     struct fixture fixture = fixture_of_soup("coplanar rays", 7, &soup);
-    for (size_t i = 0; i < scaled(600); i++) {
+    for (size_t i = 0; i < scaled(300); i++) {
         const float origin[3] = {0.5f * (float)draw_below(&random, 16) - 1, 0.5f * (float)draw_below(&random, 16) - 1,
                                  1};
         const float direction[3] = {draw_range(&random, -1, 1), draw_range(&random, -1, 1), 0};
@@ -225,7 +225,7 @@ static void origins_within_an_ulp_of_a_triangle(void **state)
     struct ray_list list = {0};
     soup_add_random(&soup, &random, 40, 1, 1);
     struct fixture fixture = fixture_of_soup("ulp before and behind", 8, &soup);
-    add_surface_rays(&list, &random, &fixture, scaled(1000));
+    add_surface_rays(&list, &random, &fixture, scaled(500));
     for (size_t i = 0; i < list.count; i++) {
         float *x = &list.rays[i].origin[i % 3];
         *x = next_float(*x, (int)(i / 3 % 3) - 1);
@@ -276,7 +276,7 @@ static void begins_behind_all_boxes(void **state)
         soup_add_triangle(&soup, corner[0], corner[1], corner[2]);
         soup_add_random(&soup, &random, 30, 1, 0.5f);
         struct fixture fixture = fixture_of_soup("far", seed, &soup);
-        for (int i = 0; i < 300; i++) {
+        for (size_t i = 0; i < scaled(300); i++) {
             float origin[3], direction[3];
             draw_point(&random, -1, 1, origin);
             draw_point(&random, -0.5f, 0.5f, direction);
@@ -330,7 +330,7 @@ static void coincident_triangles_in_both_windings(void **state)
     }
     free_soup(&soup);
     struct fixture fixture = fixture_of_soup("coincident", 10, &copy);
-    add_mixed_rays(&list, &random, &fixture, scaled(1500), -2, 2);
+    add_mixed_rays(&list, &random, &fixture, scaled(750), -2, 2);
     finish(&fixture, &list);
 }
 
@@ -342,7 +342,7 @@ static void parallel_quads_one_float_apart(void **state)
     struct ray_list list = {0};
     for (int i = 3; i >= -3; i--) soup_add_grid(&soup, 1, next_float(1, i), 3);
     struct fixture fixture = fixture_of_soup("one float apart", 11, &soup);
-    add_mixed_rays(&list, &random, &fixture, scaled(1500), -1, 4);
+    add_mixed_rays(&list, &random, &fixture, scaled(750), -1, 4);
     finish(&fixture, &list);
 }
 
@@ -363,7 +363,7 @@ static void triangles_without_area_among_others(void **state)
         soup_add_triangle(&soup, p[0], p[1], p[2]);
     }
     struct fixture fixture = fixture_of_soup("without area", 12, &soup);
-    for (size_t i = 0; i < scaled(1000); i++) {
+    for (size_t i = 0; i < scaled(500); i++) {
         float origin[3], target[3] = {0, 0, 0};
         draw_point(&random, -2, 2, origin);
         if (i % 2) draw_point(&random, -1, 1, target);
@@ -389,7 +389,7 @@ static void nearly_collinear_vertices(void **state)
         soup_add_triangle(&soup, a, b, c);
     }
     struct fixture fixture = fixture_of_soup("nearly collinear", 13, &soup);
-    add_mixed_rays(&list, &random, &fixture, scaled(1500), -2, 2);
+    add_mixed_rays(&list, &random, &fixture, scaled(750), -2, 2);
     finish(&fixture, &list);
 }
 
@@ -403,7 +403,7 @@ static void large_coordinates_with_small_features(void **state)
     soup_add_random(&soup, &random, 100, 1, 0.2f);
     move_soup(&soup, 1, offset); // 1/16 is the spacing of floats there
     struct fixture fixture = fixture_of_soup("small features", 14, &soup);
-    add_mixed_rays(&list, &random, &fixture, scaled(1500), 999000, 1001000);
+    add_mixed_rays(&list, &random, &fixture, scaled(750), 999000, 1001000);
     finish(&fixture, &list);
 }
 
@@ -412,7 +412,7 @@ static void large_coordinates_with_small_features(void **state)
 /* From inside towards every vertex, every middle of an edge, axes and diagonals: each must hit. */
 static void check_closed(const char *name, struct soup *soup, const float inside[3])
 {
-    const size_t step = 8 / scaled(8);
+    const size_t step = SANITIZED ? 16 : 1;
     struct random random = {20};
     struct ray_list list = {0};
     struct fixture fixture = fixture_of_soup(name, 20, soup);
@@ -434,13 +434,13 @@ static void check_closed(const char *name, struct soup *soup, const float inside
             }
         }
     }
-    for (size_t i = 0; i < scaled(4000); i++) {
+    for (size_t i = 0; i < scaled(2000); i++) {
         float direction[3];
         draw_point(&random, -1, 1, direction);
         add_ray(&list, inside, direction);
     }
     assert_all_hit(&fixture, &list);
-    if (list.count > 2000) list.count = 2000;
+    if (list.count > scaled(1000)) list.count = scaled(1000);
     finish_quickly(&fixture, &list);
 }
 
@@ -538,7 +538,7 @@ static void rays_in_split_planes(void **state)
     struct random random = {31};
     struct fixture fixture = lattice();
     struct ray_list list = {0};
-    for (size_t i = 0; i < scaled(1500); i++) {
+    for (size_t i = 0; i < scaled(750); i++) {
         float origin[3], direction[3];
         draw_point(&random, -1, 5, origin);
         draw_point(&random, -1, 1, direction);
@@ -556,7 +556,7 @@ static void rays_along_edges_of_cells(void **state)
     struct random random = {32};
     struct fixture fixture = lattice();
     struct ray_list list = {0};
-    for (size_t i = 0; i < scaled(1000); i++) {
+    for (size_t i = 0; i < scaled(500); i++) {
         float origin[3], direction[3] = {0, 0, 0};
         int axis = (int)draw_below(&random, 3);
         for (int k = 0; k < 3; k++) origin[k] = (float)draw_below(&random, 5);
@@ -574,7 +574,7 @@ static void rays_through_corners_of_cells(void **state)
     struct random random = {33};
     struct fixture fixture = lattice();
     struct ray_list list = {0};
-    for (size_t i = 0; i < scaled(1500); i++) {
+    for (size_t i = 0; i < scaled(750); i++) {
         float origin[3], direction[3];
         for (int k = 0; k < 3; k++) {
             origin[k] = (float)draw_below(&random, 7) - 1;
@@ -591,7 +591,7 @@ static void origins_in_split_planes(void **state)
     struct random random = {34};
     struct fixture fixture = lattice();
     struct ray_list list = {0};
-    for (size_t i = 0; i < scaled(1500); i++) {
+    for (size_t i = 0; i < scaled(750); i++) {
         float origin[3], direction[3];
         draw_point(&random, -1, 5, origin);
         draw_point(&random, -1, 1, direction);
@@ -610,7 +610,7 @@ static void triangles_in_split_planes_from_both_sides(void **state)
     soup_add_grid(&soup, 0, 0, 8);
     soup_add_random(&soup, &random, 100, 3, 0.1f); // something to split for on both sides
     struct fixture fixture = fixture_of_soup("wall in a plane", 35, &soup);
-    for (size_t i = 0; i < scaled(1500); i++) {
+    for (size_t i = 0; i < scaled(750); i++) {
         const float target[3] = {0, draw_range(&random, 0, 8), draw_range(&random, 0, 8)};
         float origin[3] = {i % 2 ? 2.0f : -2.0f, draw_range(&random, 0, 8), draw_range(&random, 0, 8)};
         if (i % 3 == 0) memcpy(origin + 1, target + 1, 8);
@@ -629,7 +629,7 @@ static void flat_scenes(void **state)
             struct ray_list list = {0};
             for (int i = 0; i < sheets; i++) soup_add_grid(&soup, axis, -3, 1 + 5 * i);
             struct fixture fixture = fixture_of_soup("flat", 36, &soup);
-            add_mixed_rays(&list, &random, &fixture, scaled(600), -5, 5);
+            add_mixed_rays(&list, &random, &fixture, scaled(300), -5, 5);
             finish(&fixture, &list);
         }
     }
@@ -645,7 +645,7 @@ static void two_parallel_quads(void **state)
         soup_add_grid(&soup, axis, 0, 1);
         soup_add_grid(&soup, axis, 1, 1);
         struct fixture fixture = fixture_of_soup("two quads", 37, &soup);
-        add_mixed_rays(&list, &random, &fixture, scaled(600), -2, 2);
+        add_mixed_rays(&list, &random, &fixture, scaled(300), -2, 2);
         finish(&fixture, &list);
     }
 }
@@ -659,7 +659,7 @@ static void a_single_axis_parallel_triangle(void **state)
     struct ray_list list = {0};
     soup_add_triangle(&soup, a, b, c);
     struct fixture fixture = fixture_of_soup("one triangle", 38, &soup);
-    add_mixed_rays(&list, &random, &fixture, scaled(1000), -1, 2);
+    add_mixed_rays(&list, &random, &fixture, scaled(500), -1, 2);
     finish(&fixture, &list);
 }
 
@@ -697,7 +697,7 @@ static void one_huge_triangle_over_many_small_ones(void **state)
     soup_add_random(&soup, &random, 500, 1, 0.05f);
     soup_add_triangle(&soup, a, b, c);
     struct fixture fixture = fixture_of_soup("one huge", 39, &soup);
-    add_mixed_rays(&list, &random, &fixture, scaled(1500), -2, 2);
+    add_mixed_rays(&list, &random, &fixture, scaled(750), -2, 2);
     finish(&fixture, &list);
 }
 
@@ -714,7 +714,7 @@ static void planes_at_neighbouring_floats(void **state)
         soup_add_triangle(&soup, p[0], p[1], p[2]);
     }
     struct fixture fixture = fixture_of_soup("neighbouring floats", 40, &soup);
-    add_mixed_rays(&list, &random, &fixture, scaled(1500), 0, 2);
+    add_mixed_rays(&list, &random, &fixture, scaled(750), 0, 2);
     finish(&fixture, &list);
 }
 
@@ -731,8 +731,8 @@ static void triangles_that_touch_planes(void **state)
         soup_add_triangle(&soup, p[0], p[1], p[2]);
     }
     struct fixture fixture = fixture_of_soup("small integers", 41, &soup);
-    add_mixed_rays(&list, &random, &fixture, scaled(1500), -1, 5);
-    for (size_t i = 0; i < scaled(600); i++) {
+    add_mixed_rays(&list, &random, &fixture, scaled(750), -1, 5);
+    for (size_t i = 0; i < scaled(300); i++) {
         float origin[3], target[3];
         for (int k = 0; k < 3; k++) {
             origin[k] = (float)draw_below(&random, 9) - 2;
@@ -753,7 +753,7 @@ static void origins_everywhere(void **state)
     soup_add_icosphere(&soup, 2, 1);
     struct fixture fixture = fixture_of_soup("origins everywhere", 42, &soup);
     for (size_t d = 0; d < sizeof distances / sizeof distances[0]; d++) {
-        for (size_t i = 0; i < scaled(300); i++) {
+        for (size_t i = 0; i < scaled(150); i++) {
             float origin[3], target[3];
             draw_point(&random, -1, 1, origin);
             draw_point(&random, -1, 1, target);
@@ -781,7 +781,7 @@ static void the_nearer_hit_in_the_next_cell(void **state)
         soup_add_triangle(&soup, p[0], p[1], p[2]);
     }
     struct fixture fixture = fixture_of_soup("next cell", 43, &soup);
-    for (size_t i = 0; i < scaled(1500); i++) {
+    for (size_t i = 0; i < scaled(750); i++) {
         const float origin[3] = {-3, draw_range(&random, -1, 1), draw_range(&random, -1, 3)};
         const float target[3] = {draw_range(&random, 0, 7), draw_range(&random, -1, 1), draw_range(&random, 1, 4)};
         add_ray_towards(&list, origin, target);
@@ -810,7 +810,7 @@ static void the_deepest_trees(void **state)
                                    .intersection_cost = 1e3f};
     struct fixture fixture = make_fixture_with("deep", 44, &mesh, 1, &options);
     free_soup(&soup);
-    add_mixed_rays(&list, &random, &fixture, scaled(800), -1, 1);
+    add_mixed_rays(&list, &random, &fixture, scaled(400), -1, 1);
     for (int i = 0; i < 120; i++) {
         float origin[3] = {2, 2, 2}, target[3];
         draw_point(&random, 0.5f, 1, target);
@@ -951,7 +951,7 @@ static void permuted_rays(void **state)
     struct random random = {56};
     struct fixture fixture = lattice();
     struct ray_list list = {0}, permuted = {0};
-    add_mixed_rays(&list, &random, &fixture, scaled(800), -1, 5);
+    add_mixed_rays(&list, &random, &fixture, scaled(400), -1, 5);
     for (size_t i = 0; i < list.count; i++) {
         const struct reference_ray *ray = &list.rays[(i * 7919) % list.count];
         *add_ray(&permuted, ray->origin, ray->direction) = *ray;

@@ -15,7 +15,7 @@
 
 #include "support.h"
 
-#define CASES 120000
+#define CASES 60000
 
 /* Binades between the least and the greatest coordinate that one limb has room for. */
 #define WIDEST (LIMB_BITS - 28)

@@ -9,8 +9,8 @@
 #include "support.h"
 
 #define MESH_COUNT   5
-#define RAY_COUNT    600
-#define PICTURE_SIZE 72
+#define RAY_COUNT    (SANITIZED ? 120 : 360)
+#define PICTURE_SIZE (SANITIZED ? 34 : 50)
 
 /* Bits of meshes, in order; the third is seen by all. */
 static const uint32_t mesh_masks[MESH_COUNT] = {1, 2, 0, 3, 0x80000004u};
@@ -89,7 +89,7 @@ static struct ray_list make_rays(const struct scene *scene)
     add_aimed_rays(&list, &random, &scene->masked, RAY_COUNT, -8, 8);
     const float eye[3] = {0.5f, 0.25f, -5};
     for (int i = 0; i < 2 * RAY_COUNT; i++) {
-        const int column = i % 30 - 15, row = i % RAY_COUNT / 30 - 10;
+        const int column = i % 30 - 15, row = i % RAY_COUNT / 30 - RAY_COUNT / 60;
         const float step = i < RAY_COUNT ? 0.05f : 0.004f;
         const float direction[3] = {(float)column * step, (float)row * step, 1};
         add_ray(&list, eye, direction);

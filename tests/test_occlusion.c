@@ -509,8 +509,11 @@ static void squares_of_points(void **state)
         const mlrt_light lights[] = {light_at(-1, -2, 3),       light_from(0.25f, 0.5f, 1), light_at(40, 1, 0.5f),
                                      light_at(0.5f, 0.25f, -4), light_from(0, 0, -1e-30f),  light_from(1, 0.5f, 0.01f)};
         for (size_t l = i % 2; l < 2 * scaled(3); l += 2) {
-            check(&fixture, &points, &lights[l]);
-            check_points(&fixture, points.positions, NULL, points.count, points.row_length, &lights[l]);
+            if ((i + l) / 2 % 2) { /* nothing is skipped */
+                check_points(&fixture, points.positions, NULL, points.count, points.row_length, &lights[l]);
+            } else {
+                check(&fixture, &points, &lights[l]);
+            }
             check_shared_vector(&fixture, &points, lights[l].position, lights[l].kind == MLRT_LIGHT_POINT);
         }
         free_points(&points);
@@ -627,7 +630,7 @@ static void points_between_doubled_walls(void **state)
 {
     (void)state;
     static const uint32_t mosts[] = {0, 1, 2, 3, 60, 1000};
-    for (uint64_t seed = 1; seed <= scaled(48); seed++) {
+    for (uint64_t seed = 1; seed <= scaled(28); seed++) {
         struct random random = {seed};
         struct soup soup = {0};
         float corner[3], side[3] = {0}, other_side[3] = {0}, chip[3][3], middle[3];
@@ -717,7 +720,7 @@ static void add_screen(struct soup *soup, struct random *random, const uint32_t 
 static void points_behind_a_screen(void **state)
 {
     (void)state;
-    for (uint64_t seed = 1; seed <= scaled(24); seed++) {
+    for (uint64_t seed = 1; seed <= scaled(14); seed++) {
         struct random random = {seed};
         struct soup soup = {0};
         const uint32_t first = draw_below(&random, 3), axes[3] = {first, (first + 1) % 3, (first + 2) % 3};
@@ -762,7 +765,7 @@ static void points_behind_triangles_of_few_corners(void **state)
 {
     (void)state;
     enum { MOST_CORNERS = 9 };
-    for (uint64_t seed = 1; seed <= scaled(24); seed++) {
+    for (uint64_t seed = 1; seed <= scaled(14); seed++) {
         struct random random = {seed};
         struct soup soup = {0};
         float corners[MOST_CORNERS][3];
@@ -868,7 +871,7 @@ static void triangles_that_hide_a_square_together(void **state)
 static void points_behind_a_gap_between_large_triangles(void **state)
 {
     (void)state;
-    enum { SIDE = 64 };
+    enum { SIDE = 32 };
     for (int turned = 0; turned < 4; turned++) {
         const float far = 0x1p70f, from[3] = {-9, -9, -90}, to[3] = {9, 9, -80};
         const float left[3][3] = {{0, -far, 40}, {0, far, 40}, {-far, 0, 40}};
@@ -878,7 +881,7 @@ static void points_behind_a_gap_between_large_triangles(void **state)
         soup_add_triangle(&soup, left[turned & 1], left[!(turned & 1)], left[2]);
         soup_add_triangle(&soup, right[turned >> 1], right[!(turned >> 1)], right[2]);
         struct fixture fixture = fixture_of_soup("a gap", (uint64_t)turned, &soup);
-        struct points points = make_square(SIDE, 0.125f);
+        struct points points = make_square(SIDE, 0.25f);
         for (size_t i = 0; i < points.count; i++) points.positions[3 * i] -= 3;
         const mlrt_light lights[] = {light_from(0.001f, 0.01f, 1), light_at(0.5f, 4, 90)};
         for (size_t l = 0; l < 2; l++) check(&fixture, &points, &lights[l]);

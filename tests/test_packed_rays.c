@@ -214,7 +214,7 @@ static void check_odd_views(uint64_t seed, int is_parallel)
     static const float eye[3] = {0.1f, -3, 0.7f};
     struct random random = {seed};
     struct fixture fixture = make_scene(seed + 1);
-    for (size_t i = 0; i < scaled(24); i++) {
+    for (size_t i = 0; i < scaled(14); i++) {
         struct ray_list list = {0};
         if (is_parallel) {
             add_parallel_view(&list, DIRECTIONS[0]);
@@ -268,8 +268,7 @@ static void points_of_a_light(void **state)
             skip[i][1] = draw_below(&random, 100);
         }
         for (size_t r = 0; r < sizeof ROW_LENGTHS / sizeof ROW_LENGTHS[0]; r++) {
-            check_points(&fixture, positions[0], NULL, COUNT, ROW_LENGTHS[r], &light);
-            check_points(&fixture, positions[0], skip[0], COUNT, ROW_LENGTHS[r], &light);
+            check_points(&fixture, positions[0], (l / 2 + r) % 2 ? skip[0] : NULL, COUNT, ROW_LENGTHS[r], &light);
         }
     }
     free_fixture(&fixture);
@@ -380,7 +379,7 @@ static void one_ray_of_a_tile(void **state)
     (void)state;
     static struct tile_answers expected, got;
     size_t uniform = 0;
-    for (uint64_t seed = 0; seed < scaled(240); seed++) {
+    for (uint64_t seed = 0; seed < scaled(160); seed++) {
         struct random random = {2300 + seed};
         struct fixture fixture = make_room(&random, seed);
         struct ray_list list = {0};
@@ -447,7 +446,7 @@ static void one_ray_of_a_tile(void **state)
         free_rays(&list);
         free_fixture(&fixture);
     }
-    assert_true(uniform > scaled(300));
+    assert_true(uniform > scaled(200));
 }
 
 /* ---- packets ----------------------------------------------------------------------------------------------------- */
@@ -565,7 +564,7 @@ static void packets_are_the_same(void **state)
     for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_NEON; isa++) {
         const struct readers *readers = readers_of(isa);
         if (!readers) continue;
-        for (uint32_t i = 0; i < 120; i++) {
+        for (uint32_t i = 0; i < 60; i++) {
             struct random random = {2210 + i};
             struct ray_list list = {0};
             float light[3] = {0.5f, 0.25f, 0};

@@ -23,7 +23,7 @@ static void check_mixed(struct fixture *fixture, size_t count, float lo, float h
 static void check_soup(const char *name, uint64_t seed, struct soup *soup, float lo, float hi)
 {
     struct fixture fixture = fixture_of_soup(name, seed, soup);
-    check_mixed(&fixture, 900, lo, hi);
+    check_mixed(&fixture, 450, lo, hi);
 }
 
 static void random_soup(uint64_t seed, size_t count, float size)
@@ -154,7 +154,7 @@ static void the_room(void **state)
 {
     (void)state;
     struct fixture fixture = fixture_of_example("room");
-    check_mixed(&fixture, 600, 0, 4);
+    check_mixed(&fixture, 300, 0, 4);
 }
 
 static void draw_whole_point(struct random *random, uint32_t greatest, float point[3])
@@ -163,7 +163,7 @@ static void draw_whole_point(struct random *random, uint32_t greatest, float poi
 }
 
 /* Triangles whose corners are whole numbers, most of them across an axis: flat[i], or 3. */
-enum { WHOLE_TRIANGLES = 300, LANE_RAYS = 512 * 256 };
+enum { WHOLE_TRIANGLES = 300, LANE_RAYS = (SANITIZED ? 64 : 512) * 256 };
 
 static void draw_whole_triangles(struct random *random, float (*corner)[3][3], uint32_t *flat)
 {
@@ -383,12 +383,13 @@ static void walls_close_to_origins(void **state)
 static void the_office(void **state)
 {
     (void)state;
+    enum { SIDE = SANITIZED ? 12 : 32 };
     const float eye[3] = {0, 1.5f, 0}, target[3] = {1, 1, 1};
     struct random random = {15};
     struct ray_list list = {0};
     struct fixture fixture = fixture_of_example("office");
-    mlrt_camera camera = look_at(eye, target, 1.3f, 40, 40);
-    add_mixed_rays(&list, &random, &fixture, scaled(200), -2, 3);
+    mlrt_camera camera = look_at(eye, target, 1.3f, SIDE, SIDE);
+    add_mixed_rays(&list, &random, &fixture, scaled(100), -2, 3);
     add_camera_rays(&list, &camera);
     list.row_length = 0;
     check_rays_quickly(&fixture, &list);
@@ -400,7 +401,7 @@ static void the_scan(void **state)
 {
     (void)state;
     struct fixture fixture = fixture_of_example("scan:20000");
-    check_mixed(&fixture, 300, -1, 1);
+    check_mixed(&fixture, 200, -1, 1);
 }
 
 static void every_preset_and_rule(void **state)
@@ -417,7 +418,7 @@ static void every_preset_and_rule(void **state)
         mlrt_kdtree_options options = {.struct_size = sizeof options, .rules_off = off & 31};
         options.preset = off & 32 ? MLRT_KDTREE_PAPER : MLRT_KDTREE_TUNED;
         struct fixture fixture = make_fixture_with("rules", off, &mesh, 1, &options);
-        add_mixed_rays(&list, &random, &fixture, scaled(400), -1, 3);
+        add_mixed_rays(&list, &random, &fixture, scaled(200), -1, 3);
         check_rays_quickly(&fixture, &list);
         free_rays(&list);
         free_fixture(&fixture);
@@ -440,7 +441,7 @@ static void every_depth_limit(void **state)
                                        .traversal_cost = 0.01f,
                                        .intersection_cost = 100};
         struct fixture fixture = make_fixture_with("depth", depth, &mesh, 1, &options);
-        add_mixed_rays(&list, &random, &fixture, scaled(400), -2, 2);
+        add_mixed_rays(&list, &random, &fixture, scaled(200), -2, 2);
         check_rays_quickly(&fixture, &list);
         free_rays(&list);
         free_fixture(&fixture);
@@ -459,7 +460,7 @@ static void check_scaled(float scale, uint64_t seed)
     soup_add_icosphere(&soup, 1, 0.5f);
     move_soup(&soup, scale, zero);
     struct fixture fixture = fixture_of_soup("scaled", seed, &soup);
-    check_mixed(&fixture, 600, -2 * scale, 2 * scale);
+    check_mixed(&fixture, 300, -2 * scale, 2 * scale);
 }
 
 static void tiny_scales(void **state)
@@ -487,7 +488,7 @@ static void mixed_scales(void **state)
         soup_add_random(&soup, &random, 30, scales[i], scales[i] * 0.4f);
     struct fixture fixture = fixture_of_soup("mixed scales", 300, &soup);
     for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++)
-        add_mixed_rays(&list, &random, &fixture, scaled(120), -2 * scales[i], 2 * scales[i]);
+        add_mixed_rays(&list, &random, &fixture, scaled(60), -2 * scales[i], 2 * scales[i]);
     check_rays(&fixture, &list);
     free_rays(&list);
     free_fixture(&fixture);
@@ -505,9 +506,9 @@ static void far_from_the_origin(void **state)
         soup_add_icosphere(&soup, 2, offsets[i] * 1e-6f < 1 ? 1 : offsets[i] * 1e-6f);
         move_soup(&soup, 1, offset);
         struct fixture fixture = fixture_of_soup("far away", 400 + i, &soup);
-        add_aimed_rays(&list, &random, &fixture, scaled(300), -offsets[i], offsets[i]);
-        add_axis_rays(&list, &random, &fixture, scaled(300));
-        add_surface_rays(&list, &random, &fixture, scaled(300));
+        add_aimed_rays(&list, &random, &fixture, scaled(150), -offsets[i], offsets[i]);
+        add_axis_rays(&list, &random, &fixture, scaled(150));
+        add_surface_rays(&list, &random, &fixture, scaled(150));
         check_rays(&fixture, &list);
         free_rays(&list);
         free_fixture(&fixture);
@@ -526,13 +527,13 @@ static void arbitrary_bits(void **state)
         soup_add_triangle(&soup, p[0], p[1], p[2]);
     }
     struct fixture fixture = fixture_of_soup("arbitrary bits", 500, &soup);
-    for (size_t i = 0; i < scaled(160); i++) {
+    for (size_t i = 0; i < scaled(80); i++) {
         float p[2][3];
         for (int k = 0; k < 6; k++) p[k / 3][k % 3] = draw_finite(&random);
         add_ray(&list, p[0], p[1]);
     }
-    add_aimed_rays(&list, &random, &fixture, scaled(160), -1e38f, 1e38f);
-    add_aimed_rays(&list, &random, &fixture, scaled(160), -1, 1);
+    add_aimed_rays(&list, &random, &fixture, scaled(80), -1e38f, 1e38f);
+    add_aimed_rays(&list, &random, &fixture, scaled(80), -1, 1);
     check_rays(&fixture, &list);
     free_rays(&list);
     free_fixture(&fixture);
@@ -549,10 +550,10 @@ static void the_largest_floats(void **state)
     struct ray_list list = {0};
     soup_add_box(&soup, lo, hi);
     struct fixture fixture = fixture_of_soup("largest box", 501, &soup);
-    add_aimed_rays(&list, &random, &fixture, scaled(500), -1e38f, 1e38f);
-    add_aimed_rays(&list, &random, &fixture, scaled(500), -1, 1);
-    add_axis_rays(&list, &random, &fixture, scaled(500));
-    add_random_rays(&list, &random, scaled(500), -m / 2, m / 2);
+    add_aimed_rays(&list, &random, &fixture, scaled(250), -1e38f, 1e38f);
+    add_aimed_rays(&list, &random, &fixture, scaled(250), -1, 1);
+    add_axis_rays(&list, &random, &fixture, scaled(250));
+    add_random_rays(&list, &random, scaled(250), -m / 2, m / 2);
     check_rays(&fixture, &list);
     free_rays(&list);
     free_fixture(&fixture);
@@ -568,7 +569,7 @@ static void directions_of_every_length(void **state)
     soup_add_random(&soup, &random, 100, 1, 0.4f);
     struct fixture fixture = fixture_of_soup("lengths", 502, &soup);
     for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
-        for (size_t n = 0; n < scaled(300); n++) {
+        for (size_t n = 0; n < scaled(150); n++) {
             float origin[3], direction[3];
             draw_point(&random, -2, 2, origin);
             draw_point(&random, -lengths[i], lengths[i], direction);
@@ -589,7 +590,7 @@ static void directions_with_mixed_magnitudes(void **state)
     struct ray_list list = {0};
     soup_add_random(&soup, &random, 100, 1, 0.8f);
     struct fixture fixture = fixture_of_soup("mixed directions", 503, &soup);
-    for (size_t n = 0; n < scaled(800); n++) {
+    for (size_t n = 0; n < scaled(400); n++) {
         float origin[3], direction[3];
         draw_point(&random, -1, 1, origin);
         for (int k = 0; k < 3; k++) direction[k] = draw_finite(&random);
@@ -636,7 +637,7 @@ static void bad_rays_do_not_touch_their_neighbours(void **state)
     struct fixture fixture = fixture_of_soup("bad neighbours", 600, &soup);
     for (uint32_t every = 1; every <= 17; every += 4) {
         struct ray_list list = {0};
-        add_aimed_rays(&list, &random, &fixture, scaled(500), -0.25f, 0.25f);
+        add_aimed_rays(&list, &random, &fixture, scaled(250), -0.25f, 0.25f);
         for (size_t i = 0; i < list.count; i += every) spoil(&list.rays[i], draw_bits(&random) >> 8);
         check_rays(&fixture, &list);
         free_rays(&list);

@@ -215,7 +215,7 @@ static void arrays_of_one_direction(void **state)
     struct random random = {31};
     for (uint32_t number = 0; number < SCENE_COUNT; ++number) {
         struct fixture fixture = draw_scene(number);
-        for (size_t round = 0; round < scaled(120); ++round) {
+        for (size_t round = 0; round < scaled(70); ++round) {
             struct ray_list list = {0};
             float direction[3];
             draw_common_direction(&random, &fixture, direction);
@@ -237,7 +237,7 @@ static void several_directions_in_one_tile(void **state)
     struct random random = {32};
     for (uint32_t number = 0; number < SCENE_COUNT; ++number) {
         struct fixture fixture = draw_scene(number);
-        for (size_t round = 0; round < scaled(70); ++round) {
+        for (size_t round = 0; round < scaled(40); ++round) {
             struct ray_list list = {.row_length = 16 + 4 * draw_below(&random, 8)};
             float directions[3][3];
             const uint32_t block = draw_below(&random, 6) ? 4 : 3;
@@ -264,7 +264,7 @@ static void directional_lights(void **state)
     struct random random = {33};
     for (uint32_t number = 0; number < SCENE_COUNT; ++number) {
         struct fixture fixture = draw_scene(number);
-        for (size_t round = 0; round < scaled(100); ++round) {
+        for (size_t round = 0; round < scaled(60); ++round) {
             struct ray_list list = {.row_length = draw_below(&random, 3) ? 20 + draw_below(&random, 40) : 0};
             mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_DIRECTIONAL};
             draw_common_direction(&random, &fixture, light.position);
@@ -289,7 +289,7 @@ static void parallel_cameras(void **state)
     struct random random = {34};
     for (uint32_t number = 0; number < SCENE_COUNT; ++number) {
         struct fixture fixture = draw_scene(number);
-        for (size_t round = 0; round < scaled(50); ++round) {
+        for (size_t round = 0; round < scaled(30); ++round) {
             float lo[3], hi[3], direction[3], middle[3];
             const float extent = extent_of(&fixture, lo, hi);
             draw_common_direction(&random, &fixture, direction);

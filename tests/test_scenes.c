@@ -25,7 +25,7 @@
 #include "reference.h"
 #include "tally.h"
 
-enum { SIDE = SANITIZED ? 128 : 512, PIXEL_LIMIT = 100000 };
+enum { SIDE = SANITIZED ? 128 : 384, PIXEL_LIMIT = 100000 };
 
 /* The pictures of one scene, and what the reference says of them. */
 struct subject {
@@ -218,13 +218,13 @@ static void check_scene(const char *name, uint32_t pixel_count, uint64_t ray_cou
 static void room(void **state)
 {
     (void)state;
-    check_scene("room", (uint32_t)scaled(2000), scaled(3000));
+    check_scene("room", (uint32_t)scaled(1200), scaled(1500));
 }
 
 static void doubled(void **state)
 {
     (void)state;
-    check_scene("doubled", (uint32_t)scaled(1000), scaled(1000));
+    check_scene("doubled", (uint32_t)scaled(600), scaled(600));
 }
 
 /* What a ray hits, and what it hits if it passes that. */
@@ -274,7 +274,7 @@ static void doubled_surfaces_are_there_twice(void **state)
 static void scan(void **state)
 {
     (void)state;
-    check_scene("scan:20000", (uint32_t)scaled(500), scaled(3000));
+    check_scene("scan:20000", (uint32_t)scaled(300), scaled(1500));
 }
 
 static int run_on_file(const char *ray_text, const char *name, const char *view)
