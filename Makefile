@@ -525,7 +525,8 @@ GOLDEN_COMMON := $(patsubst %,$(BUILD)/examples/common/%.o,scene import ply_chec
 $(BUILD)/tests/print_golden: $(BUILD)/tests/print_golden.o $(BUILD)/tests/golden.o $(GOLDEN_COMMON) $(BUILD)/libmlrt.a
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 
-build-tests: $(addprefix $(BUILD)/tests/,$(TESTS)) examples
+# Two of the tests run the examples.
+build-tests: $(addprefix $(BUILD)/tests/,$(TESTS)) $(if $(filter test_engine test_programs,$(TESTS)),examples)
 
 test: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory build-tests
