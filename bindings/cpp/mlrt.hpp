@@ -477,6 +477,8 @@ class Pool {
     Pool() = default;
 
     mlrt_pool *get() const { return handle.get(); }
+    /* How many threads are at work, the calling one included; with an executor, how many jobs. 1 of an empty pool. */
+    uint32_t thread_count() const { return mlrt_pool_thread_count(handle.get()); }
 };
 
 /* ------------------------------------------------------------------------------------------------------------------

@@ -89,6 +89,9 @@ static void without_exceptions(const Arrays &arrays) {
     require(!failed && failed.code() == MLRT_ERROR_INDEX_RANGE && !failed.message().empty(), "index out of range");
     require(failed.text().find(mlrt_status_string(MLRT_ERROR_INDEX_RANGE)) == 0, "a text with the meaning");
     require(mlrt::Pool::try_create(5000).code() == MLRT_ERROR_ARGUMENT, "too many threads");
+    require(mlrt::Pool::try_create().value.thread_count() >= 1, "a thread per processor");
+    require(mlrt::Pool::try_create(2).value.thread_count() == 2, "threads of a pool");
+    require(mlrt::Pool().thread_count() == 1, "an empty pool");
     require(mlrt::Pool::try_create(4, mlrt::Pool::Executor()).code() == MLRT_ERROR_ARGUMENT, "an empty executor");
     require(mlrt::Tree().try_trace(arrays.rays(), hits.arrays()).code() == MLRT_ERROR_ARGUMENT, "an empty tree");
     hits = mlrt::Hits(SCENE_RAYS - 1);
@@ -484,6 +487,7 @@ static void executors(const Arrays &arrays) {
     const mlrt::Pool inline_pool(4, [](std::function<void()> job) { job(); });
     const mlrt::Pool lost(4, [](std::function<void()>) {});
     for (const mlrt::Pool *pool : {&threads, &inline_pool, &lost}) {
+        require(pool->thread_count() == 4, "jobs of a pool");
         mlrt::TraceOptions options;
         options.set(*pool).initial_tile_size = 16, options.outputs = MLRT_OUTPUT_T;
         for (int i = 0; i < 20; i++) require(hash_of(tree.trace(arrays.rays(), options)) == hash, "an executor");

@@ -518,6 +518,17 @@ func TestProgressAndContext(t *testing.T) {
 	status(t, err, mlrt.Cancelled, "context canceled")
 }
 
+func TestPoolsKnowTheirThreads(t *testing.T) {
+	all, two, jobs := must(mlrt.NewPool(0)), must(mlrt.NewPool(2)), must(mlrt.NewGoroutinePool(4))
+	if all.Threads() < 1 {
+		t.Errorf("%d threads, one per processor", all.Threads())
+	}
+	for _, pool := range []*mlrt.Pool{all, two, jobs} {
+		pool.Close()
+	}
+	equal(t, []int{two.Threads(), jobs.Threads(), (*mlrt.Pool)(nil).Threads()}, []int{2, 4, 1})
+}
+
 func TestPoolsOfGoroutines(t *testing.T) {
 	s := newScene()
 	tree := build(t, s.meshes()...)

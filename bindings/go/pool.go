@@ -18,6 +18,7 @@ type Pool struct {
 	mutex    sync.RWMutex // Close waits for calls
 	handle   *C.mlrt_pool
 	executor cgo.Handle // 0 = none
+	threads  int
 }
 
 // NewPool makes a pool of `threads` threads at work, the calling one included; 0 = one per processor.
@@ -26,6 +27,7 @@ func NewPool(threads int) (*Pool, error) {
 	if err := check(C.bridge_create_pool(word(threads), &pool.handle)); err != nil {
 		return nil, err
 	}
+	pool.threads = int(C.mlrt_pool_thread_count(pool.handle))
 	runtime.SetFinalizer(pool, (*Pool).Close)
 	return pool, nil
 }
@@ -48,8 +50,18 @@ func NewExecutorPool(jobs int, execute func(job func())) (*Pool, error) {
 		pool.executor.Delete()
 		return nil, err
 	}
+	pool.threads = int(C.mlrt_pool_thread_count(pool.handle))
 	runtime.SetFinalizer(pool, (*Pool).Close)
 	return pool, nil
+}
+
+// Threads returns how many threads are at work, the calling one included; of a pool that starts none, how many jobs.
+// Also after Close. A nil pool is the calling thread alone: 1.
+func (pool *Pool) Threads() int {
+	if pool == nil {
+		return 1
+	}
+	return pool.threads
 }
 
 // Close frees the pool, after the calls that use it. Again does nothing. In a callback of such a call it is an error.

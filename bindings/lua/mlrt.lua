@@ -142,6 +142,7 @@ const char *mlrt_status_string(int32_t status);
 const char *mlrt_last_message(void);
 int32_t mlrt_create_pool(uint32_t thread_count, mlrt_pool **pool);
 int32_t mlrt_create_pool_with_options(const mlrt_pool_options *options, mlrt_pool **pool);
+uint32_t mlrt_pool_thread_count(const mlrt_pool *pool);
 void mlrt_destroy_pool(mlrt_pool *pool);
 int32_t mlrt_build_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options, mlrt_tree **tree);
 int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options, mlrt_tree **tree);
@@ -472,7 +473,7 @@ local function callbacks(options)
     local self = {made = {}}
     local pool = options.pool
     for _, name in ipairs{"progress", "on_tile"} do
-        if options[name] and pool and pool.threads ~= 1 then
+        if options[name] and pool and C.mlrt_pool_thread_count(open(pool)) ~= 1 then
             error("options." .. name .. ": with a pool, other threads would call it, which LuaJIT does not allow: leave out one of them", 0)
         end
     end
@@ -559,7 +560,13 @@ Pool.__index, Tree.__index = Pool, Tree
 function mlrt.pool(threads)
     local out = ffi.new "mlrt_pool *[1]"
     check(C.mlrt_create_pool(whole(threads, WORD, "threads"), out))
-    return setmetatable({handle = ffi.gc(out[0], C.mlrt_destroy_pool), threads = threads, calls = 0}, Pool)
+    return setmetatable({handle = ffi.gc(out[0], C.mlrt_destroy_pool), calls = 0}, Pool)
+end
+
+--- How many threads are at work, the calling one included.
+-- @return their number, at least 1
+function Pool:threads()
+    return C.mlrt_pool_thread_count(open(self))
 end
 
 -- `data`, which may be nil, is kept as long as the tree.

@@ -313,6 +313,15 @@ function tests.errors()
     assert(empty:trace{origins = {0, 0, 0}, directions = {0, 0, 1}}.mesh[0] == mlrt.NONE)
 end
 
+function tests.threads_of_a_pool()
+    assert(mlrt.pool():threads() >= 1 and mlrt.pool(0):threads() >= 1)
+    assert(mlrt.pool(1):threads() == 1 and mlrt.pool(2):threads() == 2)
+    local closed = mlrt.pool(2)
+    closed:close()
+    fails("after close", closed.threads, closed)
+    fails("after close", tree.trace, tree, rays, {pool = closed, progress = print})
+end
+
 -- What C would take for another number, or read and write behind arrays.
 function tests.numbers_that_are_none()
     local far = {data = ffi.new "float[3]", stride = 12}

@@ -322,6 +322,8 @@ type Async = CallOptions & AsyncOptions;
 export class Pool {
     /** `threads` at work, the calling one included, 1..1024; 0 = one per processor. */
     constructor(threads?: number);
+    /** How many are at work, the calling one included; also after close(). */
+    readonly threads: number;
     /** Ends the threads now; again does nothing. Throws while a call uses them. */
     close(): void;
     [Symbol.dispose](): void;

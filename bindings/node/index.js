@@ -480,10 +480,18 @@ if (Symbol.dispose) Handle.prototype[Symbol.dispose] = Handle.prototype.close;
 
 /** Threads that calls share their work with: `threads` at work, the calling one included; 0 = one per processor. */
 class Pool extends Handle {
+    #threads;
+
     constructor(threads = 0) {
         const out = [null];
         check(C.createPool(whole(threads, 'threads'), out));
         super(C.destroyPool, out[0]);
+        this.#threads = C.poolThreadCount(out[0]);
+    }
+
+    /** How many threads are at work, the calling one included; also after close(). */
+    get threads() {
+        return this.#threads;
     }
 }
 

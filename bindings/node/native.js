@@ -135,6 +135,7 @@ const C = {
     statusString: declare('const char *mlrt_status_string(int32_t status)'),
     lastMessage: declare('const char *mlrt_last_message()'),
     createPool: declare('int32_t mlrt_create_pool(uint32_t thread_count, _Out_ void **pool)'),
+    poolThreadCount: declare('uint32_t mlrt_pool_thread_count(void *pool)'),
     destroyPool: declare('void mlrt_destroy_pool(void *pool)'),
     destroyTree: declare('void mlrt_destroy_tree(void *tree)'),
     getTreeInfo: declare('int32_t mlrt_get_tree_info(void *tree, _Inout_ mlrt_tree_info *info)'),

@@ -483,6 +483,14 @@ describe('errors', () => {
         assert.strictEqual(empty.traceSync({ origins: new Float32Array(0), directions: new Float32Array(0) }).t.length, 0);
     });
 
+    test('a pool knows its threads', () => {
+        const all = new mlrt.Pool(0), two = new mlrt.Pool(2);
+        assert.ok(all.threads >= 1);
+        all.close();
+        two.close();
+        assert.strictEqual(two.threads, 2);
+    });
+
     test('closed means closed', async () => {
         const closed = mlrt.Tree.buildSync(meshes), ended = new mlrt.Pool(2);
         ended.close();

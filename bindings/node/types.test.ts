@@ -6,6 +6,7 @@ async function uses(): Promise<void> {
     const mesh: mlrt.Mesh = { vertices: new Float32Array(9), indices: new Uint16Array(3), id: 1, mask: 2, vertexStride: 12 };
     const stop = new AbortController();
     using pool = new mlrt.Pool(2);
+    const threads: number = pool.threads;
     const tree = await mlrt.Tree.build([mesh], { preset: 'best', pool, memoryLimit: 10n, signal: stop.signal, onProgress: (f: number) => void f });
     const kdtree: mlrt.Tree = mlrt.Tree.buildKdtreeSync(mesh, { rulesOff: mlrt.RULE.COPLANAR | mlrt.RULE.RETRACTION });
     const both = new Float32Array(60);
@@ -20,7 +21,7 @@ async function uses(): Promise<void> {
     try {
         mlrt.Tree.loadSync(tree.saveSync(), { geometryHash: hash, inPlace: true });
     } catch (error) {
-        if (error instanceof mlrt.MlrtError && error.status === mlrt.STATUS.DATA) void error.code;
+        if (error instanceof mlrt.MlrtError && error.status === mlrt.STATUS.DATA) void [error.code, threads];
     }
 
     // @ts-expect-error: a preset of the other builder

@@ -388,6 +388,7 @@ _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "mlrt_destroy_tree": (None, [c_void_p]),
     "mlrt_get_tree_info": (c_int32, [c_void_p, c_void_p]),
     "mlrt_create_pool": (c_int32, [c_uint32, c_void_p]),
+    "mlrt_pool_thread_count": (c_uint32, [c_void_p]),
     "mlrt_destroy_pool": (None, [c_void_p]),
     "mlrt_trace_packet": (c_int32, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "mlrt_trace_all_hits": (c_int32, [c_void_p, c_void_p, c_void_p, c_void_p]),

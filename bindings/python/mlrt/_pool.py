@@ -29,13 +29,18 @@ class Pool:
 
     def __init__(self, threads: int = 0) -> None:
         self._handle: Optional[_Handle] = None
-        self._threads = threads
         if not 0 <= threads <= 1024:
             raise ValueError(f"threads: 0 to 1024, not {threads}")
         handle = _Handle()
         check(library.mlrt_create_pool(threads, ctypes.byref(handle)))
         handle.process = os.getpid()
         self._handle = handle
+        self._threads: int = library.mlrt_pool_thread_count(handle)
+
+    @property
+    def threads(self) -> int:
+        """How many threads are at work, the calling one included; also after `close`."""
+        return self._threads
 
     def handle(self) -> _Handle:
         """The mlrt_pool, for a call that is about to use it."""
@@ -65,7 +70,7 @@ class Pool:
         """How many threads there are."""
         if self._handle is None:
             return "<Pool, closed>"
-        return f"<Pool of {self._threads} threads>" if self._threads else "<Pool of a thread per processor>"
+        return f"<Pool of {self._threads} threads>"
 
     def __enter__(self) -> Pool:
         return self

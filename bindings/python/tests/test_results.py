@@ -147,6 +147,14 @@ class Threads(unittest.TestCase):
         assert_same(self, tree.render(camera, pool=2), tree.render(camera))
         self.assertEqual(tree.occluded(origins, directions, pool=2).tolist(), expected.hit.tolist())
 
+    def test_a_pool_knows_its_threads(self):
+        with mlrt.Pool(0) as pool:
+            self.assertGreaterEqual(pool.threads, 1)
+            self.assertEqual(repr(pool), f"<Pool of {pool.threads} threads>")
+        with mlrt.Pool(2) as pool:
+            self.assertEqual(pool.threads, 2)
+        self.assertEqual(pool.threads, 2)
+
     def test_one_pool_for_a_number(self):
         from mlrt._pool import pool_handle
 

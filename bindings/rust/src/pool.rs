@@ -153,6 +153,13 @@ impl Pool {
         Ok(Pool { handle: NonNull::new(pool).expect("a pool"), _executor: executor, _keeper: keeper })
     }
 
+    /// How many threads are at work, the calling one included; with an [executor](PoolOptions::executor): most jobs at
+    /// once.
+    pub fn thread_count(&self) -> u32 {
+        // SAFETY: the handle is that of a pool.
+        unsafe { ffi::mlrt_pool_thread_count(self.handle.as_ptr()) }
+    }
+
     /// The handle of the C interface.
     pub fn as_ptr(&self) -> *mut ffi::mlrt_pool {
         self.handle.as_ptr()

@@ -571,6 +571,14 @@ fn progress_cancels() -> Result<()> {
 }
 
 #[test]
+fn pools_know_their_threads() -> Result<()> {
+    assert!(Pool::new(0)?.thread_count() >= 1);
+    assert_eq!(Pool::new(2)?.thread_count(), 2);
+    assert_eq!(Pool::with_executor(4, drop)?.thread_count(), 4);
+    Ok(())
+}
+
+#[test]
 fn jobs_of_the_program() -> Result<()> {
     let scene = Scene::new();
     let tree = scene.tree();

@@ -230,6 +230,7 @@ final class Native {
     static final MethodHandle LAST_MESSAGE = function("mlrt_last_message", P);
     static final MethodHandle CREATE_POOL = function("mlrt_create_pool", I, I, P);
     static final MethodHandle CREATE_POOL_WITH_OPTIONS = function("mlrt_create_pool_with_options", I, P, P);
+    static final MethodHandle POOL_THREAD_COUNT = function("mlrt_pool_thread_count", I, P);
     static final MethodHandle DESTROY_POOL = function("mlrt_destroy_pool", null, P);
     static final MethodHandle BUILD_TREE = function("mlrt_build_tree", I, P, L, P, P);
     static final MethodHandle BUILD_KDTREE = function("mlrt_build_kdtree", I, P, L, P, P);

@@ -81,19 +81,35 @@ public final class Pool extends Handle {
     /** Whether a call with it waits for another one, and so must not be made in a callback of that. */
     final boolean ownThreads;
 
+    private final int threads;
+
     /**
      * Threads of its own. Calls that share the pool wait for each other.
      *
      * @param threads how many are at work, the calling one included, 1..1024; 0 = one per processor
      */
     public Pool(int threads) {
-        super(create(MlrtException.notNegative("threads", threads)), Native.DESTROY_POOL, null);
-        ownThreads = true;
+        this(create(MlrtException.notNegative("threads", threads)), null);
     }
 
+    /** `stubs`, of a pool without threads of its own, are closed after it is freed. */
     private Pool(MemorySegment pool, Arena stubs) {
         super(pool, Native.DESTROY_POOL, stubs);
-        ownThreads = false;
+        ownThreads = stubs == null;
+        try {
+            threads = (int) Native.POOL_THREAD_COUNT.invokeExact(pool);
+        } catch (Throwable problem) {
+            throw Native.unexpected(problem);
+        }
+    }
+
+    /**
+     * How many threads are at work, the calling one included; of an executor's, how many tasks. Also after close().
+     *
+     * @return the number, at least 1
+     */
+    public int threads() {
+        return threads;
     }
 
     /**

@@ -516,6 +516,15 @@ final class Test {
         require(!tasks.isEmpty() && tasks.stream().noneMatch(task -> task instanceof Future), "tasks that can be cancelled");
     }
 
+    private static void testThreads() {
+        var two = new Pool(2);
+        try (var all = new Pool(0); var tasks = Pool.of(Runnable::run, 3)) {
+            require(all.threads() >= 1 && two.threads() == 2 && tasks.threads() == 3, "threads of a pool");
+        }
+        two.close();
+        require(two.threads() == 2, "threads of a closed pool");
+    }
+
     private static void testErrors(Tree tree, Pool pool) {
         var wrong = new Mesh(new float[9], new int[] {0, 1, 2, 0, 1, 3});
         var problem = fails(MlrtException.class, () -> Tree.build(wrong));
@@ -581,6 +590,7 @@ final class Test {
         testCallbacks(tree, pool);
         testSaved(tree, hash);
         testOptions(tree, pool, hash);
+        testThreads();
         testArrays(tree, pool, hits, hash);
         testRanges(tree, hits);
         testLists(tree, pool, hits);
