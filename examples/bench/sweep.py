@@ -44,7 +44,7 @@ SETTINGS = {
     "leaves never asked": {"FEW_LEAF_RAYS": "0"},
     "tests without end": {"MOST_TESTS": "0xFFFFFFFFu", "MOST_WAIST_TESTS": "0xFFFFFFFFu",
                           "MOST_ANY_TESTS": "0xFFFFFFFFu"},
-    "seven tiles lane by lane": {"LANE_BACKOFF": "7"},
+    "trials at least every eighth tile": {"LAST_TRIAL": "7"},
     "512 set-ups kept": {"LEAF_SETUP_BITS": "9"},
 }
 
