@@ -376,7 +376,6 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
 {
     struct mlrt_ray_tile *tile = bundle->tile;
     const uint32_t cells = bundle->state.closed;
-    struct mlrt_ways *ways = &worker->bundles->ways[job->any];
     uint32_t others = 0;
     int is_vain = 0;
     bundle->scene.unit = job->tree->bvh.unit;
@@ -388,9 +387,12 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
         if (job->tree->bvh.node_count == 0) mlrt_fill_words(packet->nearest.triangle, MLRT_NONE);
     }
     if (job->tree->bvh.node_count == 0) return;
-    if (!cells && !(places & (places - 1))) { /* at most one packet */
-        others = check_packets_outside(bundle, places);
-    } else if (!mlrt_skips_attempt(&ways->trial) && !cells && mlrt_count_bits(places) >= MLRT_TRIAL_PACKETS) {
+    if (!cells && !(places & (places - 1))) { /* at most one packet, and the worker may have no bundles */
+        trace_packets_by_lanes(job, worker, tile, check_packets_outside(bundle, places));
+        return;
+    }
+    struct mlrt_ways *ways = &worker->bundles->ways[job->any];
+    if (!mlrt_skips_attempt(&ways->trial) && !cells && mlrt_count_bits(places) >= MLRT_TRIAL_PACKETS) {
         trace_both_ways(job, worker, bundle, places, ways);
     } else if (ways->gain > 0) {
         others = check_packets_outside(bundle, places);
