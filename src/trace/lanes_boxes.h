@@ -231,13 +231,13 @@ MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struc
     return met;
 }
 
-/* Of each box of a node that lanes meet: these lanes, and what lanes_in_box sets *near to. */
+/* Of each box of a node that lanes meet: these lanes, and what orders it on the stack, the least on top. */
 struct boxes_met {
     MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
     MLRT_ALIGNED(64) uint32_t lanes_of[MLRT_BVH_WIDTH];
 };
 
-/* Tests each of `boxes` against all lanes at once. Returns the boxes that a lane may meet. */
+/* See meet_by_boxes; `agree` is as in lanes_in_box. */
 MLRT_INLINE uint32_t meet_each_box(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t boxes,
                                    uint32_t lanes, int any, int agree, const struct lanes_search *search,
                                    struct boxes_met *of)
@@ -252,6 +252,7 @@ MLRT_INLINE uint32_t meet_each_box(const struct mlrt_packet *packet, const struc
     return met;
 }
 
+/* Tests each of `boxes` against all lanes at once. Returns the boxes that a lane may meet. */
 MLRT_INLINE uint32_t meet_by_boxes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t boxes,
                                    uint32_t lanes, int any, const struct lanes_search *search, struct boxes_met *of)
 {
@@ -375,7 +376,7 @@ MLRT_INLINE void push_several(const struct mlrt_bvh_node *node, const struct box
 
 /*
  * Puts the children of a node that lanes may meet on the stack, the nearest on top. Where any hit will do, leaves are
- * on top, then the boxes that many lanes meet, or in which a lane is longest, whichever was found on the way.
+ * on top, then the boxes that most lanes meet (meet_by_boxes), or in which a lane is longest (meet_by_lanes).
  */
 MLRT_INLINE void push_lanes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t lanes, int any,
                             struct lanes_search *search)
