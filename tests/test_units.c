@@ -318,7 +318,7 @@ static void assert_no_more(const char *name, const char *what, uint64_t expected
 }
 
 /*
- * Odd triangles farther away than bundles keep distances (GREATEST_DISTANCE, trace/ray_hulls.h): the judge has all
+ * Odd triangles farther away than bundles keep distances (GREATEST_DISTANCE, trace/ray_terms.h): the judge has all
  * hits.
  */
 #define AT_THE_END 6

@@ -82,7 +82,7 @@ struct seen_pairs {
     vm backward; /* this sign is -1 */
     vf least_d;  /* without rounding errors */
     vf greatest_d;
-    vf near; /* where `sure`: depths between which all rays meet its plane (bound_depths, cover.h) */
+    vf near; /* where `sure`: depths between which all rays meet its plane (bound_depths, hull_order.h) */
     vf far;
 };
 

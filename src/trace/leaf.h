@@ -17,7 +17,7 @@
  * M_z + (M_j + M_l) / 2. The size of an edge function is at least |g| 2^-20, where |g| is the sum of the magnitudes of
  * the components of g. All sizes are at least 2^-100.
  *
- * EDGES, u = 2^-24, in units of size. R, A, X of a packet and E, the error of an intercept, are defined in ray_hulls.h;
+ * EDGES, u = 2^-24, in units of size. R, A, X of a packet and E, the error of an intercept, are defined in ray_terms.h;
  * rho is the greatest |g| / size of the three edges. The magnitudes of all terms with C sum to at most R times the
  * size: this is why edges are divided by it, and one R serves for all of them. By L5 e is off by no more than
  *

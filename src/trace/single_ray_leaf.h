@@ -70,6 +70,18 @@ struct leaf_part {
     uint32_t places; /* a bit for each triangle; bits of places behind the part do no harm */
 };
 
+/*
+ * What float leaves undecided for a lane in a part of a leaf: `undecided` has a bit for each such place. The ray surely
+ * passes inside the edges of those in `inside`. Of these, it surely meets those in `hit` behind t_min, at lo[i] or
+ * farther. Where any hit will do, `lo` is NULL.
+ */
+struct open_places {
+    uint32_t undecided;
+    uint32_t inside;
+    uint32_t hit;
+    const float *lo;
+};
+
 /* The place of triangle `number`, which is among `numbers`. */
 MLRT_INLINE uint32_t find_place(const uint32_t *numbers, uint32_t number)
 {
@@ -79,14 +91,13 @@ MLRT_INLINE uint32_t find_place(const uint32_t *numbers, uint32_t number)
 }
 
 /*
- * Compares the triangles `hit` of a leaf, which a lane surely hits, with its nearest hit. Returns those that double
+ * Compares the triangles `hit` of a part, which a lane surely hits, with its nearest hit. Returns those that double
  * does not order. The nearer of the two becomes the nearest hit, without a branch. Its bounds do not depend on which it
  * is (settle_undecided), so traversal goes on before the order is known. Rays and corners in units are exact, and
  * powers of two change no order.
  */
-MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const uint32_t *numbers, const float *corners,
-                                  uint32_t row, uint32_t hit, uint32_t lane, struct corner_rows *nearest,
-                                  struct mlrt_packet *packet, struct mlrt_worker *worker)
+MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const struct leaf_part *part, uint32_t hit, uint32_t lane,
+                                  struct corner_rows *nearest, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct ray_rows rows = rows_of_tested_ray(packet, lane, worker);
     const struct two_vectors origin = load_twice(rows.origin, rows.origin_step),
@@ -99,11 +110,13 @@ MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const uint32_t *nu
             if (MLRT_UNLIKELY(!found.in_units) && job->tree->bvh.unit != 1) return left | hit; /* an odd triangle */
             *nearest = (struct corner_rows){found.corner, found.row};
         }
-        const struct mlrt_corners first = {corners + i, row, 1}, second = {nearest->corner, (uint32_t)nearest->row, 1};
-        const int wins_tie = numbers[i] < other;
+        const struct mlrt_corners first = {part->corners + i, part->row, 1};
+        const struct mlrt_corners second = {nearest->corner, (uint32_t)nearest->row, 1};
+        const uint32_t number = part->numbers[i];
+        const int wins_tie = number < other;
         int is_first = comes_first(origin, direction, &first, &second, wins_tie), is_tie = 0;
         if (MLRT_UNLIKELY(is_first < 0)) {
-            is_tie = !worker->lone && mlrt_known_plane_of(worker, numbers[i]) == mlrt_known_plane_of(worker, other);
+            is_tie = !worker->lone && mlrt_known_plane_of(worker, number) == mlrt_known_plane_of(worker, other);
             if (!is_tie) {
                 left |= 1u << i;
                 continue;
@@ -114,7 +127,7 @@ MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const uint32_t *nu
         COUNT(&worker->counters, undecided_test_count, !is_tie);
         COUNT(&worker->counters, judged_lane_count, !is_tie);
         const uint32_t take = 0u - (uint32_t)is_first;
-        packet->nearest.triangle[lane] = (numbers[i] & take) | (other & ~take);
+        packet->nearest.triangle[lane] = (number & take) | (other & ~take);
         nearest->corner = is_first ? first.corner : nearest->corner;
         nearest->row = is_first ? first.row : nearest->row;
     }
@@ -122,16 +135,16 @@ MLRT_INLINE uint32_t order_places(const struct mlrt_job *job, const uint32_t *nu
 }
 
 /*
- * The places of a vector whose triangles a lane may meet between t_min and its nearest hit, by triangle_test.h, "BY
+ * The places of a part whose triangles a lane may meet between t_min and its nearest hit, by triangle_test.h, "BY
  * COMPONENTS".
  */
-static MLRT_NOINLINE uint32_t places_ahead(const float *corners, uint32_t row, uint32_t lane,
+static MLRT_NOINLINE uint32_t places_ahead(const struct leaf_part *part, uint32_t lane,
                                            const struct mlrt_packet *packet, const struct mlrt_worker *worker)
 {
     vf term[SIDE_TERMS], to[3], d[3];
     const struct ray_rows rows = rows_of_tested_ray(packet, lane, worker);
     struct float_test test;
-    set_sides(corners, row, term);
+    set_sides(part->corners, part->row, term);
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         to[k] = v_sub(term[k], v_set1(rows.origin[k * rows.origin_step]));
@@ -143,10 +156,8 @@ static MLRT_NOINLINE uint32_t places_ahead(const float *corners, uint32_t row, u
 }
 
 /*
- * Decides the triangles at places of a leaf that float leaves undecided. The ray is surely inside the edges of those in
- * `inside`. Of these, it surely meets those in `hit` behind t_min, at lo[i] or farther. Where any hit will do, `lo` is
- * NULL. `nearest`: where the corners of the nearest hit so far lie, if that is known. Returns where they lie
- * afterwards.
+ * Decides the triangles of a part that float leaves undecided. `nearest`: where the corners of the nearest hit so far
+ * lie, if that is known. Returns where they lie afterwards.
  *
  * Most rays that leave a surface begin one float beside it, and are undecided for the triangles of its plane. Float
  * tells by components that they leave them.
@@ -155,31 +166,32 @@ static MLRT_NOINLINE uint32_t places_ahead(const float *corners, uint32_t row, u
  * distances. It is at most that of the nearest hit so far, whose `hi` therefore stays, and not less than the lesser of
  * both lower bounds, which becomes `lo`.
  */
-static MLRT_NOINLINE struct corner_rows settle_undecided(const struct mlrt_job *job, const uint32_t *numbers,
-                                                         const float *corners, uint32_t row, uint32_t undecided,
-                                                         uint32_t inside, uint32_t hit, const float *lo, uint32_t lane,
+static MLRT_NOINLINE struct corner_rows settle_undecided(const struct mlrt_job *job, const struct leaf_part *part,
+                                                         const struct open_places *open, uint32_t lane,
                                                          struct corner_rows nearest, struct mlrt_packet *packet,
                                                          struct mlrt_worker *worker)
 {
-    hit &= undecided;
+    const uint32_t hit = open->hit & open->undecided;
+    uint32_t undecided = open->undecided;
     if (undecided & ~hit) {
-        undecided &= hit | places_ahead(corners, row, lane, packet, worker);
+        undecided &= hit | places_ahead(part, lane, packet, worker);
         if (!undecided) return nearest;
     }
     if (hit && packet->nearest.triangle[lane] != MLRT_NONE) {
         float least = packet->nearest.lo[lane];
         for (uint32_t left = hit; left; left &= left - 1) {
-            const float x = lo[mlrt_lowest_bit(left)];
+            const float x = open->lo[mlrt_lowest_bit(left)];
             least = x < least ? x : least;
         }
         packet->nearest.lo[lane] = least;
-        undecided &= ~hit | order_places(job, numbers, corners, row, hit, lane, &nearest, packet, worker);
+        undecided &= ~hit | order_places(job, part, hit, lane, &nearest, packet, worker);
         if (MLRT_LIKELY(!undecided)) return nearest;
     }
     const uint32_t before = packet->nearest.triangle[lane];
-    decide_scaled_triangles(job, numbers, undecided, inside, lane, packet, worker);
+    decide_scaled_triangles(job, part->numbers, undecided, open->inside, lane, packet, worker);
     const uint32_t after = packet->nearest.triangle[lane];
-    return after == before ? nearest : (struct corner_rows){corners + find_place(numbers, after), row};
+    if (after == before) return nearest;
+    return (struct corner_rows){part->corners + find_place(part->numbers, after), part->row};
 }
 
 /*
@@ -229,8 +241,9 @@ MLRT_INLINE int test_leaf_part(const struct mlrt_job *job, int any, const struct
         *nearest = (struct corner_rows){part->corners + place, part->row};
     }
     if (MLRT_UNLIKELY(undecided)) {
-        *nearest = settle_undecided(job, part->numbers, part->corners, part->row, undecided, m_bits(verdict.inside),
-                                    hit, any ? NULL : lo, lane, *nearest, packet, worker);
+        const struct leaf_part here = *part; /* a copy: the part itself may stay in registers */
+        const struct open_places open = {undecided, m_bits(verdict.inside), hit, any ? NULL : lo};
+        *nearest = settle_undecided(job, &here, &open, lane, *nearest, packet, worker);
         return any && packet->nearest.triangle[lane] != MLRT_NONE;
     }
     return 0;
