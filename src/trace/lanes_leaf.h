@@ -205,7 +205,7 @@ MLRT_INLINE uint32_t test_triangle_against_lanes(const struct mlrt_job *job, con
 
 /* Tests each triangle of a leaf against all lanes at once. Returns the lanes with a nearer hit. */
 static MLRT_NOINLINE uint32_t test_by_triangles(const struct mlrt_job *job, const float (*terms)[MLRT_BVH_LEAF_LIMIT],
-                                                const uint32_t *numbers, uint32_t row, uint32_t lanes,
+                                                const uint32_t *numbers, uint32_t triangles, uint32_t lanes,
                                                 struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     uint32_t all_changed = 0, tested = 0;
@@ -217,7 +217,9 @@ static MLRT_NOINLINE uint32_t test_by_triangles(const struct mlrt_job *job, cons
             origin[k] = v_load(packet->origin[k] + v);
             d[k] = v_load(packet->direction[k] + v);
         }
-        for (uint32_t i = 0; i < row && numbers[i] != MLRT_NONE && left; ++i) {
+        for (uint32_t some = triangles; some && left; some &= some - 1) {
+            const uint32_t i = mlrt_lowest_bit(some);
+            if (numbers[i] == MLRT_NONE) break;
             const uint32_t seeing = lanes_that_see(job, worker, packet, numbers[i], left);
             if (!seeing) continue;
             tested |= 1u << i;
@@ -230,6 +232,38 @@ static MLRT_NOINLINE uint32_t test_by_triangles(const struct mlrt_job *job, cons
     }
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(tested));
     return all_changed;
+}
+
+/*
+ * The triangles of a leaf whose boxes the hull of all lanes meets, as in boxes_of_lanes. The corners of an odd triangle
+ * are NaN: comparisons with these leave nothing out.
+ */
+MLRT_INLINE uint32_t triangles_in_hull(const struct lanes_hull *hull, const float *corners, uint32_t row,
+                                       float farthest)
+{
+    uint32_t apart = 0;
+    for (uint32_t v = 0; v < row; v += VW) {
+        vf first = v_set1(hull->least_t_min), last = v_set1(farthest);
+        vm out = m_from_bits(0);
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k) {
+            const float *at = corners + (size_t)k * row + v;
+            const vf a = v_load_any(at), b = v_load_any(at + 3 * row), c = v_load_any(at + 6 * row);
+            const vf lo = v_min(a, v_min(b, c)), hi = v_max(a, v_max(b, c));
+            const vf from = v_set1(hull->lo[k]), to = v_set1(hull->hi[k]);
+            if (!hull->agree[k]) {
+                out = m_or(out, m_or(v_gt(lo, to), v_lt(hi, from)));
+                continue;
+            }
+            const int down = hull->direction_hi[k] < 0;
+            const vf x = v_sub(to, lo), y = v_sub(from, hi), near = down ? y : x, far = down ? x : y;
+            const vf least = v_set1(hull->reciprocal_lo[k]), most = v_set1(hull->reciprocal_hi[k]);
+            first = v_max(v_min(v_mul(near, least), v_mul(near, most)), first);
+            last = v_min(v_max(v_mul(far, least), v_mul(far, most)), last);
+        }
+        apart |= m_bits(m_or(out, v_gt(first, last))) << v;
+    }
+    return ~apart & ((1u << row) - 1);
 }
 
 /* Tests each lane against all triangles of a part of a leaf at once. Returns those that have a hit, if any will do. */
@@ -268,18 +302,27 @@ static MLRT_NOINLINE void test_leaf_against_lanes(const struct mlrt_job *job, ui
     const uint32_t row = 4 * mlrt_bvh_quad_count(leaf);
     const float *corners = bvh->corners + (size_t)36 * mlrt_bvh_offset(leaf);
     const uint32_t *numbers = bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf);
-    if (search->one_origin && mlrt_count_bits(lanes) > FEW_LANES) {
+    const uint32_t lane_count = mlrt_count_bits(lanes);
+    uint32_t triangles = (1u << row) - 1;
+    if (lane_count > FEW_FOR_HULL && search->hull.is_narrow) {
+        triangles =
+            triangles_in_hull(&search->hull, corners, row,
+                              job->any ? search->hull.farthest : finite_limit(highest(packet->nearest.hi, lanes)));
+        if (!triangles) return;
+    }
+    if (search->one_origin && lane_count > FEW_LANES) {
         struct triangles_from_origin terms;
-        const uint32_t reached = set_up_from_origin(search, corners, row, search->hull.farthest, &terms);
+        const uint32_t reached = triangles & set_up_from_origin(search, corners, row, search->hull.farthest, &terms);
         if (!reached) return;
         const uint32_t changed = test_triangles_from_origin(job, &terms, numbers, reached, lanes, packet, worker);
         if (job->any) search->alive &= ~changed;
         return;
     }
-    if (mlrt_count_bits(lanes) < row) {
-        COUNT(&worker->counters, packet_count, mlrt_count_bits(lanes)); /* each goes alone */
+    if (lane_count < mlrt_count_bits(triangles)) {
+        COUNT(&worker->counters, packet_count, lane_count); /* each goes alone */
         for (uint32_t v = 0; v < row && lanes; v += VW) {
-            const struct leaf_part part = {corners + v, numbers + v, row, VW <= 4 ? ALL_LANES : (1u << (row - v)) - 1};
+            const struct leaf_part part = {corners + v, numbers + v, row, triangles >> v};
+            if (!(part.places & ALL_LANES)) continue;
             const uint32_t changed = test_by_lanes(job, lanes, &part, search->direction_limit, packet, worker);
             if (!job->any) continue;
             lanes &= ~changed;
@@ -299,7 +342,7 @@ static MLRT_NOINLINE void test_leaf_against_lanes(const struct mlrt_job *job, ui
         }
     }
     const uint32_t changed =
-        test_by_triangles(job, (const float(*)[MLRT_BVH_LEAF_LIMIT])terms, numbers, row, lanes, packet, worker);
+        test_by_triangles(job, (const float(*)[MLRT_BVH_LEAF_LIMIT])terms, numbers, triangles, lanes, packet, worker);
     if (job->any) search->alive &= ~changed;
 }
 
