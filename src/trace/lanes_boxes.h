@@ -29,8 +29,11 @@
 #include "trace/bundle.h"
 #include "trace/single_ray_boxes.h"
 
-/* This many lanes, or fewer, are traced one by one. */
-#define FEW_LANES 4
+/*
+ * This many lanes, or fewer, are traced one by one. Zen 4, AVX-512: with 4, reflections have 0.98 of the speed, diffuse
+ * rays 1.00; with 1, hemispheres 0.97 and diffuse rays 0.98.
+ */
+#define FEW_LANES 2
 
 /* For this many lanes, or fewer, the hull is not worth its cost: the lanes are tested against all boxes. */
 #define FEW_FOR_HULL 6
