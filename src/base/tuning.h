@@ -88,20 +88,18 @@
 /*
  * Tiles go as bundles or lane by lane, and now and then one of TRIAL_PACKETS or more goes both ways, to find the faster
  * one (trace/tile.h). After a change, or a bundle in vain, FIRST_TRIAL tiles go without a trial; when it agrees, twice
- * as many and one more do, up to LAST_TRIAL. GAIN_WEIGHT is the weight of the last trial in the mean of all, and
- * GAIN_IN_VAIN the gain of lanes after a bundle in vain.
+ * as many and one more do, up to LAST_TRIAL. Of what earlier trials took, TRIALS_KEPT remains when a trial is added.
  *
- * Where triangles are small beside packets, trials gain what bundles lose: in dragon (512 x 512) rays in one direction
- * have 1.15 times the speed, to a light with an extent 1.33, in doubled 1.11 and 1.13. In rooms (1,024 x 1,024) they
- * cost some percent: rays to a light have 0.97 to 1.06, reflections 0.94 to 1.04 (Intel Xeon, AVX-512, beside other
- * work). With a weight of 0.25, and 31 tiles at most, to a light 0.89 to 1.01, reflections 0.96 to 0.99: a packet that
- * happens to be simple sends tiles the slower way.
+ * Where triangles are small beside packets, trials gain what bundles lose. Speed with trials over that without (Zen 4,
+ * AVX-512, 1,024 x 1,024): in dragon rays in one direction 1.03, to a light with an extent 1.06, to a point 1.06, in
+ * dragon_x9 1.13, 1.08 and 1.06; in doubled 1.00, 1.11 and 1.00; in rooms 0.97 to 1.03, 0.96 to 1.03 and 0.98 to 1.00,
+ * reflections 0.98 to 1.00. On an Intel Xeon (512 x 512) rays in one direction have 1.15 in dragon and 1.11 in doubled,
+ * to a light with an extent 1.33 and 1.13. With 255 tiles at most, rays through a lens have 0.99.
  */
 #define MLRT_FIRST_TRIAL   7
 #define MLRT_LAST_TRIAL    63
 #define MLRT_TRIAL_PACKETS 4
-#define MLRT_GAIN_WEIGHT   0.125f
-#define MLRT_GAIN_IN_VAIN  0.02f
+#define MLRT_TRIALS_KEPT   0.875f
 
 /*
  * A worker keeps 1 << LEAF_SETUP_BITS set-ups of leaves, of 2 KiB each. In calls of fewer than MANY_RAYS rays it keeps

@@ -322,7 +322,8 @@ static inline void mlrt_note_attempt(int is_vain, uint32_t least, uint32_t longe
 
 /* Which of two ways a worker's next tiles go, as bundles or lane by lane: see tile.h. */
 struct mlrt_ways {
-    float gain;                /* of going lane by lane, -1 to 1: above 0, tiles do */
+    int by_lanes;
+    float together, lanes;     /* what trials took, in seconds: a tile as a bundle, and lane by lane */
     uint32_t trials;           /* tiles that went both ways */
     struct mlrt_backoff trial; /* until the next of these */
 };

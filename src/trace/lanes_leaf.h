@@ -2,7 +2,7 @@
 /*
  * The lanes of a packet against the triangles of a leaf: either each triangle against all lanes at once, or each lane
  * against all triangles at once. But if all rays start at one point, the triangles are set up for that point, and each
- * is tested against all lanes.
+ * is tested against all lanes. Before, triangles whose boxes the hull of all lanes misses are left out.
  *
  * TRIANGLES. The arithmetic and its bounds are those of triangle_test.h, with the greatest |d_k| of all lanes for m.
  *

@@ -308,15 +308,11 @@ static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_wo
     if (bundle->state.set_aside) trace_packets_by_lanes(job, worker, bundle->tile, bundle->state.set_aside);
 }
 
-/*
- * Sets how the next tiles go. `gain` is what lanes would gain; but after a bundle in vain lanes get a chance. The next
- * trial is the later, the more of them agree.
- */
-static void set_way(float gain, int is_vain, struct mlrt_ways *ways)
+/* Sets how the next tiles go. The next trial is the later, the more of them agree. */
+static void set_way(int by_lanes, struct mlrt_ways *ways)
 {
-    const int were_lanes = ways->gain > 0;
-    ways->gain = is_vain && !(gain > 0) ? MLRT_GAIN_IN_VAIN : gain;
-    if ((ways->gain > 0) != were_lanes) ways->trial.length = 0;
+    if (ways->by_lanes != by_lanes) ways->trial.length = 0;
+    ways->by_lanes = by_lanes;
     mlrt_note_attempt(1, MLRT_FIRST_TRIAL, MLRT_LAST_TRIAL, &ways->trial);
 }
 
@@ -345,8 +341,9 @@ static uint32_t trace_as_bundle(const struct mlrt_job *job, struct mlrt_worker *
 
 /*
  * Traces a tile both ways, one packet lane by lane and the others as a bundle, and compares what a packet took. The
- * packet is another one in each trial. While tiles go as bundles, the mean of the last trials counts, since one packet
- * is not all; a trial while they go lane by lane has a whole tile behind it, and counts alone.
+ * packet is another one in each trial. While tiles go as bundles, what earlier trials took is added, since one packet
+ * is not all; a trial while they go lane by lane counts alone, so that they soon go as bundles again. After a bundle in
+ * vain lanes get a chance.
  */
 static void trace_both_ways(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
                             uint32_t places, struct mlrt_ways *ways)
@@ -362,9 +359,10 @@ static void trace_both_ways(const struct mlrt_job *job, struct mlrt_worker *work
     const double middle = mlrt_seconds_now();
     trace_packets_by_lanes(job, worker, bundle->tile, check_packets_outside(bundle, alone));
     const double end = mlrt_seconds_now();
-    const double together = middle - begin, lanes = (count - 1) * (end - middle), both = together + lanes;
-    const float gain = both > 0 ? (float)((together - lanes) / both) : 0;
-    set_way(ways->gain > 0 ? gain : ways->gain + MLRT_GAIN_WEIGHT * (gain - ways->gain), is_vain, ways);
+    const float kept = ways->by_lanes ? 0 : MLRT_TRIALS_KEPT;
+    ways->together = kept * ways->together + (float)(middle - begin);
+    ways->lanes = kept * ways->lanes + (float)((count - 1) * (end - middle));
+    set_way(is_vain | (ways->together > ways->lanes), ways);
 }
 
 /*
@@ -394,12 +392,12 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
     struct mlrt_ways *ways = &worker->bundles->ways[job->any];
     if (!mlrt_skips_attempt(&ways->trial) && !cells && mlrt_count_bits(places) >= MLRT_TRIAL_PACKETS) {
         trace_both_ways(job, worker, bundle, places, ways);
-    } else if (ways->gain > 0) {
+    } else if (ways->by_lanes) {
         others = check_packets_outside(bundle, places);
         if (cells) others |= trace_as_bundle(job, worker, bundle, 0, &is_vain);
     } else {
         others = trace_as_bundle(job, worker, bundle, places, &is_vain);
-        if (is_vain) set_way(ways->gain, 1, ways);
+        if (is_vain) set_way(1, ways);
     }
     trace_packets_by_lanes(job, worker, tile, others);
 }
