@@ -191,61 +191,77 @@ MLRT_INLINE uint32_t leave_skipping_packets(const struct mlrt_bundle *bundle, ui
     return met;
 }
 
+/* Makes a triangle the cover of the packets `covered` of a vector. */
+MLRT_INLINE void set_covers(uint32_t covered, uint32_t number, int v, const struct seen_pairs *of,
+                            struct mlrt_hulls *hulls)
+{
+    const vm kept = m_from_bits(covered);
+    const vf last = v_load(hulls->last + v), cover_near = v_load(hulls->closed.cover_near + v);
+    v_store(hulls->last + v, v_select(kept, v_min(of->far, last), last));
+    v_store(hulls->closed.cover_near + v, v_select(kept, of->near, cover_near));
+    i_store(hulls->closed.cover + v, i_select(kept, i_set1(number), i_load(hulls->closed.cover + v)));
+}
+
+/*
+ * Offers a triangle to the packets `asked` of a vector, of which some are closed and may hit it. All of *of is set.
+ * Adds to *offered what becomes of them.
+ */
+MLRT_INLINE void offer_to_vector(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
+                                 const struct mlrt_bundle_leaf *leaf, uint32_t triangle, int v, uint32_t asked,
+                                 const struct seen_pairs *of, struct mlrt_offered_packets *offered)
+{
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    const uint32_t number = leaf->numbers[triangle], are_closed = bundle->state.closed >> v;
+    const vm out_of_depth = m_or(v_gt(of->near, v_load(hulls->last + v)), v_lt(of->far, v_load(hulls->first + v)));
+    const vm in_common = m_and(v_gt(of->near, v_load(hulls->closed.common_first + v)),
+                               v_lt(of->far, v_load(hulls->closed.common_last + v)));
+    const vm may_cover = m_and(of->inside, in_common);
+    const uint32_t covers = m_bits(m_and(may_cover, v_lt(of->far, v_load(hulls->closed.cover_near + v))));
+    const uint32_t is_cover = m_bits(i_eq(i_load(hulls->closed.cover + v), i_set1(number)));
+    uint32_t met = asked & ~m_bits(m_or(of->out, m_and(of->sure, out_of_depth))), skipping = 0;
+    if (met & are_closed) met &= ~find_out_of_reach(job, worker, bundle, leaf, triangle, v, met, of);
+    met = leave_skipping_packets(bundle, number, v, met, covers, &skipping);
+    offered->may |= (met & ~(is_cover & are_closed)) << v;
+
+    /* Does it cover closed packets, or hide cells in part? */
+    const uint32_t closed = met & are_closed & ~(is_cover | skipping), covered = covers & closed;
+    offered->covered |= covered << v;
+    if (covered) set_covers(covered, number, v, of, hulls);
+    if (bundle->arrays && !worker->bundles->parts.lone_squares.left) {
+        const uint32_t in_part = closed & ~covered & m_bits(m_and(of->sure, in_common));
+        offered->in_part |= in_part << v;
+        offered->backward |= m_bits(of->backward) << v;
+        if (in_part) find_open_edges(bundle, leaf, triangle, v, m_bits(of->backward), worker->bundles->parts.open);
+    }
+
+    /* Which comes first, the triangle or the cover? */
+    const uint32_t doubtful = job->any ? 0 : closed & ~covered;
+    if (doubtful) {
+        offered->may &= ~(settle_covers(job, worker, bundle, number, doubtful, m_bits(may_cover), v, of) << v);
+    }
+}
+
 /* Tests a triangle against the hulls of the packets `among`, and sets covers. */
 MLRT_INLINE struct mlrt_offered_packets offer_to_packets_by(const struct mlrt_job *job, struct mlrt_worker *worker,
                                                             struct mlrt_bundle *bundle,
                                                             const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
                                                             uint32_t among, int has_intercepts)
 {
-    struct mlrt_hulls *hulls = &bundle->hulls;
-    const uint32_t number = leaf->numbers[triangle];
     struct mlrt_offered_packets offered = {0, 0, 0, 0};
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         const uint32_t asked = among >> v & ALL_LANES;
         if (!asked) continue;
         struct seen_pairs of;
-        const struct hull_pairs pairs = {hulls, leaf, (uint32_t)v, triangle, 1, has_intercepts};
+        const struct hull_pairs pairs = {&bundle->hulls, leaf, (uint32_t)v, triangle, 1, has_intercepts};
         see_pairs(&pairs, &of);
-        if (!(asked & ~m_bits(of.out) & bundle->state.closed >> v)) {
-            offered.may |= (asked & ~m_bits(of.out)) << v;
+        const uint32_t seen = asked & ~m_bits(of.out);
+        if (!(seen & bundle->state.closed >> v)) {
+            offered.may |= seen << v;
             continue;
         }
-        bound_depths(hulls, leaf, triangle, v, has_intercepts, &of);
+        bound_depths(&bundle->hulls, leaf, triangle, v, has_intercepts, &of);
         if (leaf->state.flipped >> triangle & 1) of.backward = m_andnot(of.sure, of.backward); /* of D, not of -D */
-        const vf last = v_load(hulls->last + v), cover_near = v_load(hulls->closed.cover_near + v);
-        const vm out_of_depth = m_or(v_gt(of.near, last), v_lt(of.far, v_load(hulls->first + v))),
-                 passed = m_and(of.sure, out_of_depth);
-        const vm in_common = m_and(v_gt(of.near, v_load(hulls->closed.common_first + v)),
-                                   v_lt(of.far, v_load(hulls->closed.common_last + v)));
-        const vm covers = m_and(m_and(of.inside, in_common), v_lt(of.far, cover_near));
-        const vm is_cover = i_eq(i_load(hulls->closed.cover + v), i_set1(number));
-        uint32_t met = asked & ~m_bits(m_or(of.out, passed)), skipping = 0;
-        if (met & bundle->state.closed >> v) {
-            met &= ~find_out_of_reach(job, worker, bundle, leaf, triangle, v, met, &of);
-        }
-        met = leave_skipping_packets(bundle, number, v, met, m_bits(covers), &skipping);
-        /* Does it cover closed packets, or hide cells in part? */
-        offered.may |= (met & ~(m_bits(is_cover) & bundle->state.closed >> v)) << v;
-        const uint32_t closed = met & bundle->state.closed >> v & ~(m_bits(is_cover) | skipping);
-        const uint32_t covered = m_bits(covers) & closed;
-        if (covered) {
-            const vm kept = m_from_bits(covered);
-            offered.covered |= covered << v;
-            v_store(hulls->last + v, v_select(kept, v_min(of.far, last), last));
-            v_store(hulls->closed.cover_near + v, v_select(kept, of.near, cover_near));
-            i_store(hulls->closed.cover + v, i_select(kept, i_set1(number), i_load(hulls->closed.cover + v)));
-        }
-        if (bundle->arrays && !worker->bundles->parts.lone_squares.left) {
-            const uint32_t in_part = closed & ~covered & m_bits(m_and(of.sure, in_common));
-            offered.in_part |= in_part << v;
-            offered.backward |= m_bits(of.backward) << v;
-            if (in_part) find_open_edges(bundle, leaf, triangle, v, m_bits(of.backward), worker->bundles->parts.open);
-        }
-        /* Which comes first, the triangle or the cover? */
-        const uint32_t doubtful = job->any ? 0 : closed & ~covered;
-        if (!doubtful) continue;
-        offered.may &=
-            ~(settle_covers(job, worker, bundle, number, doubtful, m_bits(m_and(of.inside, in_common)), v, &of) << v);
+        offer_to_vector(job, worker, bundle, leaf, triangle, v, asked, &of, &offered);
     }
     return offered;
 }

@@ -3,18 +3,8 @@
  * The lanes of a packet against the boxes of a node: either each box against all lanes at once, or each lane against
  * all boxes at once, whichever takes fewer steps. And the stack of boxes that lanes have yet to visit.
  *
- * BOXES. The arithmetic and its bounds are those of single_ray_boxes.h.
- *
- * HULLS. Before the lanes of a node are tested, its boxes are compared with a hull of all lanes, if that is narrow.
- * Along an axis where the signs of all directions agree, the hull is the intervals of origins and of reciprocals: the
- * product of a difference and a reciprocal lies between those of the intervals' ends, and roundings are monotone. Along
- * another axis, the hull is the interval of all coordinates on the rays, from o to e = o + t d for the t where they
- * end, or everything if they do not end. As computed, t d is off by 1.001 u of itself, so of |o| + |e|, and the sum by
- * u |e|. So e is moved outward by 4 u (|o| + |e|). This also covers the rounding of the moved end, u of itself.
- * Underflow needs no room: let a ray reach a plane at c, so that c - o <= t d. If |t d| < 2^-125, then c - o, a
- * multiple of 2^-149, is a float or less than all products that are as small. Roundings are monotone: c - o is at most
- * t d as computed, and so c at most e. If e is infinite, the sum or the difference is a NaN, which v_min and v_max
- * drop: then o is the end, which is right.
+ * The arithmetic and its bounds are those of single_ray_boxes.h. Before the lanes of a node are tested, its boxes are
+ * compared with a hull of all lanes (lanes_hull.h), if that is narrow.
  */
 #ifndef MLRT_TRACE_LANES_BOXES_H
 #define MLRT_TRACE_LANES_BOXES_H
@@ -27,6 +17,7 @@
 #include "rays/packet.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
+#include "trace/lanes_hull.h"
 #include "trace/single_ray_boxes.h"
 
 /*
@@ -42,17 +33,6 @@ struct pending_lanes {
     float near; /* the least is on top: see push_lanes */
     uint32_t child;
     uint32_t lanes;
-};
-
-/* Bounds of the rays of a packet, along each axis and of t. */
-struct lanes_hull {
-    int agree[3];       /* all d_k have one sign, and none is 0 */
-    float lo[3], hi[3]; /* of origins where signs agree, else of all coordinates on the rays */
-    float reciprocal_lo[3], reciprocal_hi[3];
-    float direction_lo[3], direction_hi[3];
-    int is_narrow; /* rays end, or signs agree along two axes or more: else hardly a box misses the hull */
-    float least_t_min;
-    float farthest; /* the greatest t where a ray ends, before any hit */
 };
 
 /* The rays of a packet as they are tested against boxes, as in struct single_ray. */
@@ -75,22 +55,6 @@ struct lanes_search {
     uint32_t count;
     struct pending_lanes stack[MLRT_BVH_STACK_LIMIT + 1];
 };
-
-/* Sets lo and hi of the hull along axis k to the interval of all coordinates on the rays: see "HULLS" above. */
-MLRT_INLINE void bound_along(const struct mlrt_packet *packet, uint32_t lanes, int k, struct lanes_search *search)
-{
-    vf lo = v_set1(INFINITY), hi = v_set1(-INFINITY);
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vm among = m_from_bits(lanes >> v);
-        const vf origin = v_load(packet->origin[k] + v), d = v_load(packet->direction[k] + v);
-        const vf end = v_add(origin, v_mul(v_min(v_load(packet->nearest.hi + v), v_set1(FLT_MAX)), d));
-        const vf slack = v_mul(v_add(v_abs(origin), v_abs(end)), v_set1(0x1p-22f));
-        lo = v_min(v_select(among, v_min(v_sub(end, slack), origin), v_set1(INFINITY)), lo);
-        hi = v_max(v_select(among, v_max(v_add(end, slack), origin), v_set1(-INFINITY)), hi);
-    }
-    search->hull.lo[k] = v_hmin(lo);
-    search->hull.hi[k] = v_hmax(hi);
-}
 
 /*
  * Sets what tests against boxes need along axis k. `least` receives the least component k of origins, of negated
@@ -117,10 +81,7 @@ MLRT_INLINE void set_lanes_along(struct mlrt_packet *packet, uint32_t lanes, int
     f4_store(least, v_hmin4(origins.least, origins.negated, directions.least, directions.negated));
 }
 
-/*
- * Begins the search of a packet. Where signs agree, reciprocals and roundings are monotone: so the ends of the hull are
- * those of a lane.
- */
+/* Begins the search of a packet. */
 static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes, struct lanes_search *search)
 {
     struct lanes_hull *hull = &search->hull;
@@ -139,57 +100,30 @@ static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes
         greatest = larger_of(larger_of(-from, to), greatest);
         hull->lo[k] = least[0];
         hull->hi[k] = -least[1];
-        hull->direction_lo[k] = from;
-        hull->direction_hi[k] = to;
-        hull->agree[k] = from > 0 || to < 0;
-        if (hull->agree[k]) {
-            hull->reciprocal_lo[k] = 1 / from * (from > 0 ? -RECIPROCAL_SLACK - 1 : RECIPROCAL_SLACK - 1);
-            hull->reciprocal_hi[k] = 1 / to * (from > 0 ? RECIPROCAL_SLACK - 1 : -RECIPROCAL_SLACK - 1);
-        } else if (hull->farthest < FLT_MAX) {
-            bound_along(packet, lanes, k, search);
-        } else {
-            hull->lo[k] = -INFINITY;
-            hull->hi[k] = INFINITY;
-        }
+        set_hull_along(packet, lanes, k, from, to, hull);
     }
     search->direction_limit = 4 * greatest;
     hull->is_narrow = hull->farthest < FLT_MAX || hull->agree[0] + hull->agree[1] + hull->agree[2] >= 2;
 }
 
 /* Returns the boxes of a node that the hull of all lanes meets. Rays end at t = `farthest` at the latest. */
-MLRT_INLINE uint32_t boxes_of_lanes(const struct lanes_search *search, const struct mlrt_bvh_node *node, float farthest)
+MLRT_INLINE uint32_t boxes_of_lanes(const struct lanes_hull *hull, const struct mlrt_bvh_node *node, float farthest)
 {
     enum { VECTORS = MLRT_BVH_WIDTH / VW };
     uint32_t met = 0;
-    vf first[VECTORS], last[VECTORS];
-    vm may[VECTORS];
+    struct boxes_in_hull boxes[VECTORS];
+    MLRT_UNROLL
+    for (int i = 0; i < VECTORS; ++i) begin_boxes(hull, farthest, &boxes[i]);
+    for (int k = 0; k < 3; ++k) {
+        MLRT_UNROLL
+        for (int i = 0; i < VECTORS; ++i)
+            cut_boxes(hull, k, v_load(node->lo[k] + i * VW), v_load(node->hi[k] + i * VW), &boxes[i]);
+    }
     MLRT_UNROLL
     for (int i = 0; i < VECTORS; ++i) {
-        first[i] = v_set1(search->hull.least_t_min), last[i] = v_set1(farthest);
-        may[i] = v_le(v_load(node->lo[0] + i * VW), v_load(node->hi[0] + i * VW));
+        const vm there = v_le(v_load(node->lo[0] + i * VW), v_load(node->hi[0] + i * VW));
+        met |= m_bits(m_andnot(there, boxes_missed(&boxes[i]))) << i * VW;
     }
-    for (int k = 0; k < 3; ++k) {
-        const vf from = v_set1(search->hull.lo[k]), to = v_set1(search->hull.hi[k]);
-        const vf lo = v_set1(search->hull.reciprocal_lo[k]), hi = v_set1(search->hull.reciprocal_hi[k]);
-        const int down = search->hull.direction_hi[k] < 0; /* where signs agree */
-        if (!search->hull.agree[k]) {
-            MLRT_UNROLL
-            for (int i = 0; i < VECTORS; ++i) {
-                may[i] = m_and(may[i],
-                               m_and(v_le(v_load(node->lo[k] + i * VW), to), v_ge(v_load(node->hi[k] + i * VW), from)));
-            }
-            continue;
-        }
-        MLRT_UNROLL
-        for (int i = 0; i < VECTORS; ++i) {
-            const vf x = v_sub(to, v_load(node->lo[k] + i * VW)), y = v_sub(from, v_load(node->hi[k] + i * VW));
-            const vf near = down ? y : x, far = down ? x : y;
-            first[i] = v_max(v_min(v_mul(near, lo), v_mul(near, hi)), first[i]);
-            last[i] = v_min(v_max(v_mul(far, lo), v_mul(far, hi)), last[i]);
-        }
-    }
-    MLRT_UNROLL
-    for (int i = 0; i < VECTORS; ++i) met |= m_bits(m_and(may[i], v_le(first[i], last[i]))) << i * VW;
     return met;
 }
 
@@ -389,8 +323,7 @@ MLRT_INLINE void push_lanes(const struct mlrt_packet *packet, const struct mlrt_
     struct boxes_met of;
     uint32_t boxes = 0xFFFF;
     if (lane_count > FEW_FOR_HULL && search->hull.is_narrow) {
-        boxes = boxes_of_lanes(search, node,
-                               any ? search->hull.farthest : finite_limit(highest(packet->nearest.hi, lanes)));
+        boxes = boxes_of_lanes(&search->hull, node, last_end(&search->hull, packet, lanes, any));
     }
     const uint32_t met = lane_count <= mlrt_count_bits(boxes)
                              ? meet_by_lanes(packet, node, lanes, any, search, &of)

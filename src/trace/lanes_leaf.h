@@ -234,36 +234,23 @@ static MLRT_NOINLINE uint32_t test_by_triangles(const struct mlrt_job *job, cons
     return all_changed;
 }
 
-/*
- * The triangles of a leaf whose boxes the hull of all lanes meets, as in boxes_of_lanes. The corners of an odd triangle
- * are NaN: comparisons with these leave nothing out.
- */
+/* The triangles of a leaf whose boxes the hull of all lanes meets; the corners of an odd triangle are NaN. */
 MLRT_INLINE uint32_t triangles_in_hull(const struct lanes_hull *hull, const float *corners, uint32_t row,
                                        float farthest)
 {
-    uint32_t apart = 0;
+    uint32_t missed = 0;
     for (uint32_t v = 0; v < row; v += VW) {
-        vf first = v_set1(hull->least_t_min), last = v_set1(farthest);
-        vm out = m_from_bits(0);
+        struct boxes_in_hull boxes;
+        begin_boxes(hull, farthest, &boxes);
         MLRT_UNROLL
         for (int k = 0; k < 3; ++k) {
             const float *at = corners + (size_t)k * row + v;
             const vf a = v_load_any(at), b = v_load_any(at + 3 * row), c = v_load_any(at + 6 * row);
-            const vf lo = v_min(a, v_min(b, c)), hi = v_max(a, v_max(b, c));
-            const vf from = v_set1(hull->lo[k]), to = v_set1(hull->hi[k]);
-            if (!hull->agree[k]) {
-                out = m_or(out, m_or(v_gt(lo, to), v_lt(hi, from)));
-                continue;
-            }
-            const int down = hull->direction_hi[k] < 0;
-            const vf x = v_sub(to, lo), y = v_sub(from, hi), near = down ? y : x, far = down ? x : y;
-            const vf least = v_set1(hull->reciprocal_lo[k]), most = v_set1(hull->reciprocal_hi[k]);
-            first = v_max(v_min(v_mul(near, least), v_mul(near, most)), first);
-            last = v_min(v_max(v_mul(far, least), v_mul(far, most)), last);
+            cut_boxes(hull, k, v_min(a, v_min(b, c)), v_max(a, v_max(b, c)), &boxes);
         }
-        apart |= m_bits(m_or(out, v_gt(first, last))) << v;
+        missed |= m_bits(boxes_missed(&boxes)) << v;
     }
-    return ~apart & ((1u << row) - 1);
+    return ~missed & ((1u << row) - 1);
 }
 
 /* Tests each lane against all triangles of a part of a leaf at once. Returns those that have a hit, if any will do. */
@@ -305,9 +292,7 @@ static MLRT_NOINLINE void test_leaf_against_lanes(const struct mlrt_job *job, ui
     const uint32_t lane_count = mlrt_count_bits(lanes);
     uint32_t triangles = (1u << row) - 1;
     if (lane_count > FEW_FOR_HULL && search->hull.is_narrow) {
-        triangles =
-            triangles_in_hull(&search->hull, corners, row,
-                              job->any ? search->hull.farthest : finite_limit(highest(packet->nearest.hi, lanes)));
+        triangles = triangles_in_hull(&search->hull, corners, row, last_end(&search->hull, packet, lanes, job->any));
         if (!triangles) return;
     }
     if (search->one_origin && lane_count > FEW_LANES) {
