@@ -13,8 +13,8 @@
  * the roundings of middle and radius. The interval of the moment is made from those of its factors (product_over_hull),
  * and A from depths, slopes and intercepts (hulls_fit).
  *
- * UNDERFLOW. Where R A is below 2^-128, INTERCEPT_ERROR R A is less than what products may lose. INTERCEPT_FLOOR covers
- * both. It is not denormal: some processors take 60 ns to multiply by a denormal.
+ * UNDERFLOW. Where R A is below 2^-128, INTERCEPT_ERROR R A is less than what the products of ray_terms.h may lose.
+ * INTERCEPT_FLOOR covers it. It is not denormal: some processors take 60 ns to multiply by a denormal.
  *
  * DEPTHS (L13) at which rays begin and end, o_main + tau, are moved apart by SLOPE_SLACK (|z| + A).
  */
