@@ -322,7 +322,7 @@ static inline void mlrt_note_attempt(int is_vain, uint32_t least, uint32_t longe
 
 /* Which of two ways a worker's next tiles go, as bundles or lane by lane: see tile.h. */
 struct mlrt_ways {
-    int by_lanes;
+    int by_lanes;              /* the next tiles go lane by lane */
     float together, lanes;     /* what trials took, in seconds: a tile as a bundle, and lane by lane */
     uint32_t trials;           /* tiles that went both ways */
     struct mlrt_backoff trial; /* until the next of these */

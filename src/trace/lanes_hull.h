@@ -73,7 +73,7 @@ MLRT_INLINE void set_hull_along(const struct mlrt_packet *packet, uint32_t lanes
     }
 }
 
-/* The greatest t where one of `lanes` ends, at a hit if it has one. */
+/* No ray of `lanes` needs a hit behind this t: that of its nearest hit so far or, if any will do, of its end. */
 MLRT_INLINE float last_end(const struct lanes_hull *hull, const struct mlrt_packet *packet, uint32_t lanes, int any)
 {
     return any ? hull->farthest : finite_limit(highest(packet->nearest.hi, lanes));
